@@ -1,1 +1,4 @@
 //! Etendue.
+#[cfg(feature = "io")]
+pub mod io;
+pub mod metrics;

@@ -9,3 +9,5 @@ extern crate std;
 pub mod geometry;
 pub mod math;
 pub mod sampling;
+pub mod scene;
+pub mod tone;

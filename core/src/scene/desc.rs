@@ -1,0 +1,275 @@
+//! What a user writes: plain data, names instead of indices, nothing derived.
+//!
+//! Every field is public and every collection may be empty. Nothing here is trusted:
+//! [`compile`](super::compile) checks it all and says what is wrong.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// A scene as described by a file or by a host program.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneDesc {
+    /// The camera; absent where no image is asked for.
+    pub camera: Option<CameraDesc>,
+    /// Triangle meshes.
+    pub meshes: Vec<MeshDesc>,
+    /// Analytic shapes.
+    pub shapes: Vec<ShapeDesc>,
+    /// Lights other than emissive surfaces.
+    pub lights: Vec<LightDesc>,
+    /// Materials; meshes and shapes refer to them by name.
+    pub materials: Vec<MaterialDesc>,
+    /// Participating media; meshes, shapes and the camera refer to them by name.
+    pub media: Vec<MediumDesc>,
+    /// Bitmaps; materials refer to them by name.
+    pub textures: Vec<TextureDesc>,
+}
+
+/// A pinhole or thin-lens camera. Right is forward x up; the pixel filter is a box.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraDesc {
+    /// Position of the pinhole or of the lens centre \[m\].
+    pub position: [f32; 3],
+    /// A point on the optical axis, different from `position`.
+    pub look_at: [f32; 3],
+    /// A direction that is up in the image, not parallel to the axis.
+    pub up: [f32; 3],
+    /// Horizontal field of view \[degrees\], in (0, 180).
+    pub fov_x_deg: f32,
+    /// Width and height in pixels.
+    pub resolution: [u32; 2],
+    /// Radius of the thin lens \[m\]; 0 is a pinhole.
+    pub lens_radius: f32,
+    /// Distance along the axis that is in focus \[m\]; ignored by a pinhole.
+    pub focus_distance: f32,
+    /// Name of the medium the camera stands in; empty for none.
+    pub medium: String,
+}
+
+/// A triangle mesh in its own coordinates, with one material per face.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshDesc {
+    /// A name for messages (usually the file's).
+    pub name: String,
+    /// Vertex positions \[m\] before `transform`.
+    pub positions: Vec<[f32; 3]>,
+    /// Shading normals per vertex, or empty. Used only where `shading_normals` is set.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates per vertex, or empty; v = 0 is the bottom row of an image.
+    pub texcoords: Vec<[f32; 2]>,
+    /// Vertex indices of each triangle; the front is where they run counter-clockwise.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle an index into `material_names`; empty means 0 for all.
+    pub face_materials: Vec<u32>,
+    /// Names of the materials that faces use. Empty means the default: diffuse, albedo 0.5.
+    pub material_names: Vec<String>,
+    /// Overrides the material of every face where it is not empty.
+    pub material: String,
+    /// Use `normals` for shading where they are present.
+    pub shading_normals: bool,
+    /// False: use the plain colours of the materials.
+    pub textures: bool,
+    /// Row-major affine transform applied to positions; the fourth column is the translation.
+    /// A mirroring transform keeps each triangle's front on the same side of the surface.
+    pub transform: Option<[[f32; 4]; 3]>,
+    /// Medium behind the surface (against the normals); empty for none.
+    pub interior: String,
+    /// Medium in front of the surface; empty for none.
+    pub exterior: String,
+}
+
+/// The geometry of an analytic shape.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ShapeKind {
+    /// A sphere; the front is outside.
+    Sphere {
+        /// Centre \[m\].
+        center: [f32; 3],
+        /// Radius \[m\], positive.
+        radius: f32,
+    },
+    /// A flat disk; the front is where `normal` points.
+    Disk {
+        /// Centre \[m\].
+        center: [f32; 3],
+        /// Normal, any length but zero.
+        normal: [f32; 3],
+        /// Radius \[m\], positive.
+        radius: f32,
+    },
+    /// A parallelogram with corners center ± u ± v; the front is along u x v.
+    Rectangle {
+        /// Centre \[m\].
+        center: [f32; 3],
+        /// First half-edge \[m\].
+        u: [f32; 3],
+        /// Second half-edge \[m\].
+        v: [f32; 3],
+    },
+    /// An axis-aligned box; the front is outside.
+    Box {
+        /// Lower corner \[m\].
+        min: [f32; 3],
+        /// Upper corner \[m\].
+        max: [f32; 3],
+    },
+}
+
+/// An analytic shape with its surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeDesc {
+    /// Geometry.
+    pub kind: ShapeKind,
+    /// Name of the material; empty means the default: diffuse, albedo 0.5.
+    pub material: String,
+    /// Medium behind the surface; empty for none.
+    pub interior: String,
+    /// Medium in front of the surface; empty for none.
+    pub exterior: String,
+}
+
+/// A light that is not a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightDesc {
+    /// Isotropic point light.
+    Point {
+        /// Position \[m\].
+        position: [f32; 3],
+        /// Intensity \[W/sr\] per channel.
+        intensity: [f32; 3],
+    },
+    /// A point light within a cone: full inside `falloff_deg`, none outside `cone_deg`,
+    /// smoothstep in the cosine between.
+    Spot {
+        /// Position \[m\].
+        position: [f32; 3],
+        /// Axis of the cone, the way light travels.
+        direction: [f32; 3],
+        /// Intensity on the axis \[W/sr\] per channel.
+        intensity: [f32; 3],
+        /// Half-angle where light ends \[degrees\], in (0, 180].
+        cone_deg: f32,
+        /// Half-angle where light starts to fall \[degrees\], in \[0, cone_deg\].
+        falloff_deg: f32,
+    },
+    /// Parallel light from infinity.
+    Directional {
+        /// Direction of travel.
+        direction: [f32; 3],
+        /// Irradiance on a surface that faces the light \[W/m^2\] per channel.
+        irradiance: [f32; 3],
+    },
+    /// Light from everywhere at infinity.
+    Environment(EnvironmentDesc),
+}
+
+/// An environment: the same radiance from every direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentDesc {
+    /// Radiance \[W m^-2 sr^-1\] per channel.
+    pub radiance: [f32; 3],
+}
+
+/// A colour, or a bitmap by name that multiplies it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reflectance {
+    /// Linear reflectance per channel, in \[0, 1\].
+    pub color: [f32; 3],
+    /// Name of a bitmap whose decoded texels multiply `color`; empty for none.
+    pub texture: String,
+}
+
+impl Reflectance {
+    /// The same colour everywhere.
+    pub fn flat(color: [f32; 3]) -> Self {
+        Self { color, texture: String::new() }
+    }
+}
+
+/// How a surface scatters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialKind {
+    /// Lambert: albedo / pi.
+    Diffuse {
+        /// Albedo.
+        albedo: Reflectance,
+    },
+    /// A perfect mirror.
+    Mirror {
+        /// Reflectance.
+        albedo: Reflectance,
+    },
+    /// The Phong lobe of source C: specular (n+1)/(2 pi) cos^n about the mirror direction.
+    Phong {
+        /// Specular coefficient per channel.
+        specular: [f32; 3],
+        /// Exponent n >= 0.
+        exponent: f32,
+    },
+    /// Lambert plus Phong, albedo + specular <= 1 per channel.
+    DiffusePhong {
+        /// Albedo of the diffuse part.
+        albedo: Reflectance,
+        /// Specular coefficient per channel.
+        specular: [f32; 3],
+        /// Exponent n >= 0.
+        exponent: f32,
+    },
+    /// No surface at all: a boundary between media.
+    Null,
+    /// A kind that the scene file knows and this version does not render; the name is kept for messages.
+    Unsupported(String),
+}
+
+/// A named material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialDesc {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// How it scatters.
+    pub kind: MaterialKind,
+    /// Both sides scatter; otherwise the back is black.
+    pub two_sided: bool,
+    /// Radiance emitted from the front \[W m^-2 sr^-1\] per channel.
+    pub emission: [f32; 3],
+}
+
+/// A named homogeneous participating medium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MediumDesc {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// Absorption coefficient \[1/m\] per channel.
+    pub sigma_a: [f32; 3],
+    /// Scattering coefficient \[1/m\] per channel.
+    pub sigma_s: [f32; 3],
+    /// Henyey-Greenstein mean cosine, in (-1, 1); positive is forward.
+    pub g: f32,
+    /// Radiance emitted per metre \[W m^-3 sr^-1\] per channel.
+    pub emission: [f32; 3],
+    /// Names a grid (or another extension) that this version does not render; empty for none.
+    pub unsupported: String,
+}
+
+/// What lies beyond the edge of a bitmap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The bitmap repeats.
+    #[default]
+    Repeat,
+}
+
+/// A named 8-bit bitmap in sRGB, first row on top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureDesc {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// width * height texels, row by row, top row first.
+    pub texels: Vec<[u8; 3]>,
+    /// What lies beyond the edge.
+    pub wrap: Wrap,
+}

@@ -1,0 +1,1 @@
+//! Tone mapping for display: images are stored linear.
