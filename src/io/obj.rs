@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::error::{LoadError, Note, Problem, quoted};
-use super::polygon::{MAX_CORNERS, Triangulator};
+use super::polygon::Triangulator;
 
 /// The triangles of an OBJ file, and the names of what its materials need.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -156,14 +156,6 @@ pub fn parse_obj(bytes: &[u8], file: &Path) -> Result<Obj, LoadError> {
                     raw.corners.push(corner.map_err(|e| e.field("face"))?);
                 }
                 let corners = raw.corners.len() - first;
-                if corners > MAX_CORNERS {
-                    let problem = Problem::TooLarge {
-                        what: "corners of one face",
-                        found: corners as u64,
-                        limit: MAX_CORNERS as u64,
-                    };
-                    return Err(LoadError::new(file, problem).at(line).field("face"));
-                }
                 if corners < 3 {
                     tally.add(THIN, line);
                     raw.corners.truncate(first);
@@ -288,6 +280,7 @@ impl Raw {
                 obj.triangles.push(triangle);
                 obj.face_materials.push(face.material);
             });
+            let has_area = has_area.map_err(|p| LoadError::new(file, p).at(face.line).field("face"))?;
             if !has_area {
                 tally.add(DEGENERATE, face.line);
             }
