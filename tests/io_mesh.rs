@@ -5,7 +5,9 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use etendue::io::{MemorySource, Obj, parse_mtl, parse_obj, parse_ply, parse_scene_toml, write_ply};
+use etendue::io::{
+    MemorySource, Obj, load_scene, parse_mtl, parse_obj, parse_ply, parse_scene_toml, write_ply,
+};
 use etendue_core::scene::{MaterialKind, SceneDesc};
 
 fn obj(text: &str) -> Obj {
@@ -66,6 +68,9 @@ fn concave_faces_are_clipped_not_fanned() {
         .collect();
     let expected: f64 = (0..10).map(|i| p[i][0] * p[(i + 1) % 10][1] - p[i][1] * p[(i + 1) % 10][0]).sum();
     assert!((area_z(&o) - expected).abs() <= 1e-9 * expected);
+    assert!(o.notes.is_empty(), "{:?}", o.notes);
+    let bow_tie = obj("v 0 0 0\nv 4 4 0\nv 4 0 0\nv 0 2 0\nf 1 2 3 4\n");
+    assert!(bow_tie.notes[0].to_string().starts_with("a.obj:5: 1 faces that cross themselves"));
 }
 
 #[test]
@@ -397,6 +402,10 @@ fn written_ply_reads_back_and_has_the_same_bytes_each_time() {
     let header = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
     assert_eq!(bytes.len(), header + 3 * 20 + 17);
     assert_eq!(bytes[header + 12..header + 16], 1f32.to_le_bytes());
+
+    let scene = load_scene(&path).unwrap();
+    assert_eq!(scene.desc.meshes[0].positions, positions);
+    assert!(scene.desc.camera.is_some() && scene.desc.lights.len() == 1);
 
     for (vertex, face, triangles) in [
         (vec![("a", vec![1.0])], vec![], vec![[0, 1, 2]]),

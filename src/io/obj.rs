@@ -81,6 +81,7 @@ impl Tally {
 
 const THIN: &str = "faces with fewer than three corners, dropped";
 const DEGENERATE: &str = "faces without area, dropped";
+const CROSSING: &str = "faces that cross themselves, cut as well as can be";
 const NOT_SURFACES: &str = "lines and points, left out because they are no surfaces";
 const FREE_FORM: &str = "statements of free-form curves and surfaces, left out";
 const COLOURS: &str = "vertices with colours, which are ignored";
@@ -281,6 +282,9 @@ impl Raw {
                 obj.face_materials.push(face.material);
             });
             let has_area = has_area.map_err(|p| LoadError::new(file, p).at(face.line).field("face"))?;
+            if triangulator.crossing {
+                tally.add(CROSSING, face.line);
+            }
             if !has_area {
                 tally.add(DEGENERATE, face.line);
             }

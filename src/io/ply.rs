@@ -150,6 +150,7 @@ fn build(
     let mut triangulator = Triangulator::new();
     let mut outline = Vec::new();
     let mut dropped = 0;
+    let mut crossing = 0;
     for (i, face) in faces.iter().enumerate() {
         let fail = |found: String, expected: &str| {
             Err(LoadError::unexpected(file, found, expected).field(format!("face {i}")))
@@ -171,9 +172,14 @@ fn build(
             .cut(&outline, |t| mesh.triangles.push(t.map(|k| face.corners[k])))
             .map_err(|p| LoadError::new(file, p).field(format!("face {i}")))?;
         dropped += usize::from(!has_area);
+        crossing += usize::from(triangulator.crossing);
     }
     if dropped > 0 {
         let message = format!("{dropped} faces without area, dropped");
+        notes.push(Note::new(file, None, message));
+    }
+    if crossing > 0 {
+        let message = format!("{crossing} faces that cross themselves, cut as well as can be");
         notes.push(Note::new(file, None, message));
     }
     Ok(mesh)

@@ -22,11 +22,13 @@ pub(crate) struct Triangulator {
     flat: Vec<[f64; 2]>,
     cut: Vec<u32>,
     work: u64,
+    /// The last face crosses itself: no set of triangles is the right one.
+    pub(crate) crossing: bool,
 }
 
 impl Triangulator {
     pub(crate) fn new() -> Self {
-        Self { earcut: Earcut::new(), flat: Vec::new(), cut: Vec::new(), work: 0 }
+        Self { earcut: Earcut::new(), flat: Vec::new(), cut: Vec::new(), work: 0, crossing: false }
     }
 
     /// Calls `emit` with three corner numbers per triangle; `corners` are positions, all finite.
@@ -36,6 +38,7 @@ impl Triangulator {
         corners: &[[f32; 3]],
         mut emit: impl FnMut([usize; 3]),
     ) -> Result<bool, Problem> {
+        self.crossing = false;
         if corners.len() < 3 {
             return Ok(false);
         }
@@ -73,11 +76,15 @@ impl Triangulator {
             }
         }
         self.earcut.earcut_slice(&self.flat, &[] as &[u32], &mut self.cut);
+        let mut covered = 0.0;
         for t in self.cut.chunks_exact(3) {
             let [i, j, k] = [t[0] as usize, t[1] as usize, t[2] as usize];
-            let flip = cross(self.flat[i], self.flat[j], self.flat[k]) < 0.0;
+            let twice_area = cross(self.flat[i], self.flat[j], self.flat[k]);
+            covered += twice_area.abs();
+            let flip = twice_area < 0.0;
             emit(if flip { [i, k, j] } else { [i, j, k] });
         }
+        self.crossing = (covered - size.abs()).abs() > 1e-6 * size.abs();
         Ok(!self.cut.is_empty())
     }
 }
@@ -185,6 +192,19 @@ mod tests {
             .collect();
         let flat: Vec<[f64; 2]> = star.iter().map(|c| [f64::from(c[0]), f64::from(c[1])]).collect();
         assert!(!is_convex(&flat));
+    }
+
+    #[test]
+    fn only_faces_that_cross_themselves_are_called_crossing() {
+        let mut cutter = Triangulator::new();
+        let mut crossing = |corners: &[[f32; 3]]| {
+            cutter.cut(corners, |_| {}).unwrap();
+            cutter.crossing
+        };
+        let (a, b, c, d) = ([0.0, 0.0, 0.0], [4.0, 1.0, 0.0], [4.0, 4.0, 0.5], [0.5, 3.0, 0.0]);
+        assert!(crossing(&[a, [4.0, 4.0, 0.0], [4.0, 0.0, 0.0], [0.0, 2.0, 0.0]]), "a bow tie");
+        assert!(!crossing(&[a, b, c, d]));
+        assert!(!crossing(&[a, b, [1.0, 1.0, 0.0], d]), "an arrow head");
     }
 
     #[test]
