@@ -10,6 +10,9 @@ fn constants(kernel: Kernel) -> Vec<u32> {
     match kernel {
         Kernel::SampleBitmap => vec![1, 1, 0x00ff_ffff],
         Kernel::CdfPick | Kernel::CdfPmf => vec![0, 1 << 31],
+        Kernel::SampleParallelogram | Kernel::InvertParallelogram => {
+            [0, 0, 0, one, 0, 0, 0, one, 0].to_vec()
+        }
         Kernel::CameraRay => {
             let mut c = vec![one; 16];
             (c[11], c[15]) = (4, 4);
@@ -34,9 +37,14 @@ fn every_kernel_answers_some_item_and_overwrites_its_output() {
         let mut answered = false;
         // A few items of small floats of both signs: at least one of them has an answer that is not all zeros.
         for k in 0..64_u32 {
-            let item: Vec<u32> = (0..shape.item as u32)
+            let mut item: Vec<u32> = (0..shape.item as u32)
                 .map(|i| (((k * 7 + i * 5) % 11) as f32 * 0.125 - 0.5 * ((k + i) % 2) as f32).to_bits())
                 .collect();
+            match kernel {
+                Kernel::CdfPmf => item[0] = k,
+                Kernel::RoundShape => item[7] = k % 2,
+                _ => {}
+            }
             let mut out = vec![0xdead_beef; shape.out];
             evaluate(*kernel, &constants, &item, &mut out).unwrap();
             assert!(!out.contains(&0xdead_beef), "{} leaves words unwritten", kernel.name());
