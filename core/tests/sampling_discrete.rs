@@ -30,13 +30,13 @@ fn cases() -> Vec<(&'static str, Vec<f32>)> {
         ("uniform", random(1000, &|u| u)),
         ("half zero", random(1000, &|u| (u - 0.5).max(0.0))),
         ("heavy tail", random(5000, &|u| 1.0 / (u + 1e-7).powi(3))),
-        ("a million", random(1 << 20, &|u| u * u)),
-        ("a million, 60 decades", random(1 << 20, &|u| 10.0_f64.powf(f64::from(u) * 60.0 - 30.0) as f32)),
+        ("many", random(1 << 18, &|u| u * u)),
+        ("many, 60 decades", random(1 << 18, &|u| 10.0_f64.powf(f64::from(u) * 60.0 - 30.0) as f32)),
         (
             "shares about one count",
             (0..20_000).map(|i| if i == 0 { 1.0 } else { (0.5 + i as f32 / 20_000.0) / 4.295e9 }).collect(),
         ),
-        ("one heavy, a million light", (0..1 << 20).map(|i| if i == 77 { 1e30 } else { 1.0 }).collect()),
+        ("one heavy, many light", (0..1 << 18).map(|i| if i == 77 { 1e30 } else { 1.0 }).collect()),
     ]
 }
 
