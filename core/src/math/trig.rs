@@ -50,7 +50,7 @@ fn cos_reduced(r: f32, lower: f32, z: f32) -> f32 {
 /// (sin x, cos x), `x` in radians, |x| <= 3216 (2^10 pi rounded down); accuracy in [`ACCURACY`](super::ACCURACY).
 ///
 /// Reduction by pi/2 in four pieces (after Cody and Waite, 1980), then a polynomial of degree 7 for the sine and
-/// 8 for the cosine. sin is odd and cos even to the bit; both stay in [-1, 1]; sin_cos 0 = (0, 1).
+/// 8 for the cosine. sin is odd and cos even to the bit (but sin -0 = +0); both stay in [-1, 1]; sin_cos 0 = (0, 1).
 ///
 /// Outside the domain: |x| > 3216 counts as 0 and gives (0, 1); so does infinity. NaN gives NaN.
 #[inline]
