@@ -7,7 +7,7 @@ use crate::math::{Vec3, sqrt};
 /// Unit roundoff of f32, 2^-24.
 const U: f32 = 0.5 * f32::EPSILON;
 /// Offset per coordinate, in roundoffs.
-const COORDINATE: f32 = 4.0;
+const COORDINATE: f32 = 6.0;
 /// Offset per extent, in roundoffs.
 const EXTENT: f32 = 8.0;
 /// End of a segment between offset points.
@@ -21,6 +21,15 @@ pub struct SurfacePoint {
     /// Largest distance from the point to a vertex of its triangle (or the diameter of its round shape), metres:
     /// the rounding errors of the ray test scale with it.
     pub extent: f32,
+}
+
+impl SurfacePoint {
+    /// The same point as one end of a segment of length `distance`: the test against this end's triangle is made
+    /// from the other end, so its rounding errors scale with the distance when that exceeds the extent.
+    #[must_use]
+    pub fn within(self, distance: f32) -> Self {
+        Self { extent: self.extent.max(distance), ..self }
+    }
 }
 
 /// `v / |v|`, or `None` for zero, NaN or infinite `v`. Scaled by a power of two first, so that neither tiny nor
