@@ -53,7 +53,7 @@ fn agrees_with_the_authors_program() {
     let gradient = |w: usize, h: usize| {
         image(w, h, move |x, y| [(x * 255 / w) as u8, (y * 255 / h) as u8, ((x + y) * 127 / (w + h)) as u8])
     };
-    let (w, h) = (150, 97);
+    let (w, h) = (90, 61);
     let base = gradient(w, h);
     let noisy: Bytes = (base.iter().enumerate())
         .map(|(i, p)| [0, 1, 2].map(|c| p[c].saturating_add((noise(3 * i + c) % 64) as u8)))
