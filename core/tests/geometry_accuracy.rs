@@ -248,5 +248,9 @@ fn normal_and_area_against_f64() {
     let tiny = [Vec3::ZERO, Vec3::X * 1e-42, Vec3::Y * 1e-42];
     assert_eq!(geometric_normal(tiny), Some(Vec3::Z));
     let huge = [Vec3::splat(-3e38), Vec3::new(3e38, -3e38, -3e38), Vec3::new(-3e38, 3e38, -3e38)];
-    assert!(geometric_normal(huge).is_none_or(|n| n == Vec3::Z));
+    assert_eq!(geometric_normal(huge), Some(Vec3::Z));
+    assert_eq!(triangle_area(huge), f32::INFINITY);
+    // A needle of 1e38 by 1e-38, exactly representable as powers of two.
+    let (long, thin) = (2f32.powi(126), 2f32.powi(-140));
+    assert_eq!(triangle_area([Vec3::ZERO, Vec3::X * long, Vec3::Y * thin]), 2f32.powi(-15));
 }
