@@ -228,20 +228,24 @@ fn normal_and_area_against_f64() {
         let (e1, e2) = (sub(w[1], w[0]), sub(w[2], w[0]));
         let truth = cross(e1, e2);
         let sine = length(truth) / (length(e1) * length(e2));
+        // The largest angle: between the two shortest edges.
+        let mut edges = [length(e1), length(e2), length(sub(w[2], w[1]))];
+        edges.sort_by(f64::total_cmp);
+        let largest = length(truth) / (edges[0] * edges[1]);
         if sine < 1e-3 {
             continue;
         }
         let n = wide(geometric_normal(v).expect("not degenerate"));
         let t = truth.map(|x| x / length(truth));
-        worst_n = worst_n.max(length(sub(n, t)) * sine / f64::from(f32::EPSILON));
+        worst_n = worst_n.max(length(sub(n, t)) * largest / f64::from(f32::EPSILON));
         let area = length(truth) / 2.0;
         if area > 1e-37 && area < 3e38 {
             let a = f64::from(triangle_area(v));
             worst_a = worst_a.max((a - area).abs() / area * sine / f64::from(f32::EPSILON));
         }
     }
-    println!("normal {worst_n:.2} eps / sine, area {worst_a:.2} eps / sine");
-    assert!(worst_n <= 3.0 && worst_a <= 4.0);
+    println!("normal {worst_n:.2} eps / largest sine, area {worst_a:.2} eps / sine");
+    assert!(worst_n <= 4.0 && worst_a <= 4.0);
     assert_eq!(geometric_normal([Vec3::ONE; 3]), None);
     assert_eq!(geometric_normal([Vec3::ZERO, Vec3::X, Vec3::X * 3.0]), None);
     assert_eq!(triangle_area([Vec3::ZERO, Vec3::X, Vec3::X * 3.0]), 0.0);

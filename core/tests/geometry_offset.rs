@@ -54,8 +54,8 @@ struct Scene {
     sizes: [f32; 2],
     /// Second side of a quad over its first.
     ratio: f32,
-    /// Smallest cosine, as decades. The normal of a triangle is known to 3 eps / sine of its angle, so for long
-    /// ones a direction 1e-6 above the computed plane may lie below the true one.
+    /// Smallest cosine, as decades. The two halves of a long quad are coplanar only to eps / ratio, so a direction
+    /// 1e-6 above the one may lie below the other.
     decades: f32,
 }
 
@@ -70,12 +70,13 @@ const fn scene(
     Scene { name, spread, moved, sizes, ratio, decades }
 }
 
-const SCENES: [Scene; 5] = [
+const SCENES: [Scene; 6] = [
     scene("unit", 1.0, 0.0, [0.3, 2.0], 0.7, 6.0),
     scene("moved by 1e5", 1.0, 1e5, [0.5, 2.0], 0.7, 6.0),
     scene("1e-3 and 1e3 together", 1.0, 0.0, [1e-3, 1e3], 0.7, 6.0),
     scene("huge quads", 1e3, 0.0, [1e4, 1e5], 1.0, 6.0),
     scene("long quads", 1.0, 0.0, [1.0, 1e3], 0.05, 5.0),
+    scene("slivers", 1.0, 0.0, [1.0, 1e3], 0.01, 4.0),
 ];
 
 /// Hits of own triangle, its other half and reordered duplicates, with the offset scaled by `factor`.

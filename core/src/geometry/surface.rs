@@ -18,8 +18,8 @@ const SEGMENT_END: f32 = 1.0 - 8.0 * f32::EPSILON;
 pub struct SurfacePoint {
     /// Where, metres.
     pub position: Vec3,
-    /// Largest distance from the point to a vertex of its triangle (or the diameter of its round shape), metres:
-    /// the rounding errors of the ray test scale with it. Not negative.
+    /// Largest distance from the point to a vertex of its triangle (more for slivers, see [`hit_point`]), or the
+    /// diameter of its round shape, metres: the rounding errors of the ray test scale with it. Not negative.
     pub extent: f32,
 }
 
@@ -85,11 +85,21 @@ fn scaled_edge(a: Vec3, b: Vec3) -> Option<(Vec3, i32)> {
     scaled(b * 0.5 - a * 0.5).map(|(e, n)| (e, n - 1))
 }
 
-/// Unit geometric normal `(v1 - v0) x (v2 - v0) / |..|`, or `None` for a degenerate triangle.
+/// Unit geometric normal, `(v1 - v0) x (v2 - v0) / |..|`, or `None` for a degenerate triangle.
 ///
-/// The edges are scaled by powers of two first, so that neither tiny nor huge triangles under- or overflow.
-/// Error as an angle: within 3 eps / sine of the angle at `v0` (for finite vertices of any size).
+/// Taken at the vertex opposite the longest edge, whose two edges cancel least; the edges are scaled by powers of
+/// two first, so that neither tiny nor huge triangles under- or overflow. Error as an angle: within 4 eps / sine of
+/// the angle at that vertex, the largest (so slivers are bad only when they are obtuse), for finite vertices.
 pub fn geometric_normal(v: [Vec3; 3]) -> Option<Vec3> {
+    let size = |a: Vec3, b: Vec3| (b * 0.5 - a * 0.5).abs().max_element();
+    let (s0, s1, s2) = (size(v[1], v[2]), size(v[2], v[0]), size(v[0], v[1]));
+    let v = if s0 >= s1 && s0 >= s2 {
+        v
+    } else if s1 >= s2 {
+        [v[1], v[2], v[0]]
+    } else {
+        [v[2], v[0], v[1]]
+    };
     let (e1, _) = scaled_edge(v[0], v[1])?;
     let (e2, _) = scaled_edge(v[0], v[2])?;
     unit(e1.cross(e2))
@@ -114,13 +124,22 @@ pub fn interpolate(v: [Vec3; 3], b1: f32, b2: f32) -> Vec3 {
     v[0] + ((v[1] - v[0]) * b1 + (v[2] - v[0]) * b2)
 }
 
-/// The point of a triangle at barycentrics `b1`, `b2`, and its distance to the farthest vertex (both metres).
+/// The point of a triangle at barycentrics `b1`, `b2` with its extent (both metres): the distance to the farthest
+/// vertex, times `0.2 longest^2 / (2 area)` between 1 and 32 for slivers.
+///
+/// In the ray test the edge functions of a triangle round by `u longest^2` against a `det` of `2 area cosine`, so
+/// the error of `t` grows with the ratio of length to height; triangles fatter than 1 to 5 are not concerned.
 /// Precondition as for [`interpolate`].
 #[inline]
 pub fn hit_point(v: [Vec3; 3], b1: f32, b2: f32) -> SurfacePoint {
     let p = interpolate(v, b1, b2);
-    let far = |q: Vec3| (q - p).dot(q - p);
-    SurfacePoint { position: p, extent: sqrt(far(v[0]).max(far(v[1])).max(far(v[2]))) }
+    let squared = |q: Vec3| q.dot(q);
+    let reach = squared(v[0] - p).max(squared(v[1] - p)).max(squared(v[2] - p));
+    let (e1, e2, e3) = (v[1] - v[0], v[2] - v[0], v[2] - v[1]);
+    let longest = squared(e1).max(squared(e2)).max(squared(e3));
+    let sliver = 0.2 * longest / sqrt(squared(e1.cross(e2)));
+    // `min` first: it turns the NaN of a degenerate triangle into the largest factor.
+    SurfacePoint { position: p, extent: sqrt(reach) * sliver.min(32.0).max(1.0) }
 }
 
 /// The point of a round shape nearest to `p` (a computed hit), and the diameter of the shape.
@@ -148,9 +167,9 @@ pub fn shape_point(shape: &RoundShape, p: Vec3) -> SurfacePoint {
 /// A ray that leaves it into the hemisphere, at any angle down to a cosine of 1e-6, then meets neither its own
 /// triangle, nor coincident ones, nor the other half of its quad. Measured: none of 10^7 rays in each of unit
 /// scenes, scenes moved by 1e5, sizes 1e-3 and 1e3 together, quads of 1e5, oblique or in axis planes, and for
-/// spheres and disks; with 0.35 of this offset still none of 10^6, with 0.25 the first. Limits: below a cosine of
-/// 3 eps / sine (sine of the angle at `v0`) the normal itself is not known; and a coplanar neighbour that is many
-/// times larger than the triangle itself may be met, since the error of its test is larger.
+/// spheres and disks; with 0.35 of this offset still none of 10^6, with 0.25 the first. Limits: triangles thinner
+/// than 1 to 150; and a coplanar neighbour that is many times larger than the triangle itself may be met, since the
+/// error of its test is larger.
 #[inline]
 pub fn offset_origin(p: &SurfacePoint, ng: Vec3, toward: Vec3) -> Vec3 {
     let side = if toward.dot(ng) < 0.0 { -ng } else { ng };
