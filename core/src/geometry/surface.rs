@@ -138,8 +138,9 @@ pub fn hit_point(v: [Vec3; 3], b1: f32, b2: f32) -> SurfacePoint {
     let (e1, e2, e3) = (v[1] - v[0], v[2] - v[0], v[2] - v[1]);
     let longest = squared(e1).max(squared(e2)).max(squared(e3));
     let sliver = 0.2 * longest / sqrt(squared(e1.cross(e2)));
-    // `min` first: it turns the NaN of a degenerate triangle into the largest factor.
-    SurfacePoint { position: p, extent: sqrt(reach) * sliver.min(32.0).max(1.0) }
+    // The NaN of a degenerate triangle takes the largest factor.
+    let factor = if sliver < 32.0 { sliver.max(1.0) } else { 32.0 };
+    SurfacePoint { position: p, extent: sqrt(reach) * factor }
 }
 
 /// The point of a round shape nearest to `p` (a computed hit), and the diameter of the shape.
