@@ -199,7 +199,7 @@ fn boxes() {
     let one = (Vec3::splat(-1.0), Vec3::splat(1.0));
     let entry = |r: PreparedRay, (lo, hi): (Vec3, Vec3), t: f32| slab_entry(&r, lo, hi, t);
     let x = entry(p([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]), one, inf).unwrap();
-    assert!(x <= 2.0 && x >= 2.0 - 1e-6);
+    assert!((2.0 - 1e-6..=2.0).contains(&x));
     assert_eq!(entry(p([0.5, 0.2, 0.1], [1.0, -0.0, 0.0]), one, inf), Some(0.0));
     assert_eq!(entry(p([-3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), one, inf), None);
     assert_eq!(entry(p([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]), one, 1.9), None);
@@ -237,7 +237,7 @@ fn batches_equal_single_queries() {
 /// Every finite float, subnormals and 3e38 included, evenly over the exponents; half of the time from few values.
 fn any_finite() -> impl Strategy<Value = f32> {
     prop_oneof![
-        any::<u32>().prop_map(|b| f32::from_bits(b)).prop_filter("finite", |x| x.is_finite()),
+        any::<u32>().prop_map(f32::from_bits).prop_filter("finite", |x| x.is_finite()),
         prop::sample::select(vec![
             0.0,
             -0.0,

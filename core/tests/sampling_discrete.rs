@@ -94,7 +94,7 @@ fn picks_and_remainders_are_exact_at_every_edge() {
             let count = d.count(i);
             let end = start + count;
             assert_eq!(d.pmf(i), count as f32 / 4_294_967_296.0, "{name}");
-            if count > 0 && i as usize % stride == 0 {
+            if count > 0 && (i as usize).is_multiple_of(stride) {
                 for x in [start, start + count / 3, end - 1] {
                     let p = d.pick(x as u32);
                     assert_eq!((p.index, p.pmf), (i, d.pmf(i)), "{name}: word {x}");

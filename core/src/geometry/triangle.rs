@@ -34,7 +34,8 @@ pub fn triangle_bounds(v: [Vec3; 3]) -> Aabb {
 /// a vertex of any triangle. Elsewhere the sign of the computed `t` decides.
 /// Accuracy: `t |d|` within 16 u reach / cosine, barycentrics within 4 u reach / (smallest height * cosine), with
 /// u = 2^-24, reach the largest distance from the origin to a vertex, cosine that of incidence
-/// (measured against f64 over sizes 1e-3 to 1e3, distances 1e-2 to 1e3: see `geometry_accuracy.rs`).
+/// (measured against f64 on random triangles of sizes 1e-3 to 1e3 from distances 1e-2 to 1e3; the error of `t`
+/// grows by longest^2 / (10 area) for triangles thinner than 1 to 20).
 #[inline(always)]
 pub fn intersect_triangle(ray: &PreparedRay, v: [Vec3; 3], t_max: f32) -> Option<TriangleHit> {
     let (sx, sy, sz) = (ray.shear.x, ray.shear.y, ray.shear.z);

@@ -15,6 +15,9 @@
 //!
 //! The scramble is Laine and Karras' hash of the bit-reversed word (S. Laine, T. Karras, "Stratified sampling for stochastic transparency",
 //! EGSR 2011) with N. Vegdahl's operations and constants (2021), which mix far better than the original's.
+//! Measured on a loaded two-core machine, throughput per four dimensions: 11 ns for x86-64-v3 (AVX2), 27 to 42 ns for baseline x86-64, which
+//! has neither a 32-bit vector product nor a byte shuffle for bit reversal. A 64-bit reversal of two words with a joint table of dimensions 2
+//! and 3 was tried: no consistent gain.
 //! Everything is 32-bit integer work. Words are kept bit-reversed between the steps: the scramble wants them so, and the tables are built so.
 
 mod tables;
