@@ -202,12 +202,20 @@ def arched_wall(name, span, openings, levels, depth, along_x, material):
                     quad(at(sa, ya, ta), at(sb, yb, ta), at(sb, yb, tb), at(sa, ya, tb))
             low += arch[1:-1]
     high = [(s, top) for k in range(0, len(edges), 2) for s in spread(edges[k], edges[k + 1], 1.6)]
+    # the spandrels end in a level line above the crowns, and plain courses follow
+    crown = spring + max(w for _, w, _ in openings) + 0.2
+    courses = spread(crown, top, 1.6)
     for t, back in ((far, False), (near, True)):
-        solid.zipper([at(s, y, t) for s, y in low], [at(s, y, t) for s, y in high], material, back == along_x)
+        solid.zipper([at(s, y, t) for s, y in low], [at(s, crown, t) for s, _ in high], material, back == along_x)
+        for (sa, _), (sb, _) in zip(high, high[1:]):
+            a, b = (sb, sa) if back else (sa, sb)
+            for ya, yb in zip(courses, courses[1:]):
+                quad(at(a, ya, t), at(b, ya, t), at(b, yb, t), at(a, yb, t))
     for s, back in ((span[0], True), (span[1], False)):
         for ta, tb in zip(layers, layers[1:]):
             a, b = (ta, tb) if back else (tb, ta)
-            quad(at(s, spring, a), at(s, spring, b), at(s, top, b), at(s, top, a))
+            for ya, yb in zip([spring, *courses], courses):
+                quad(at(s, ya, a), at(s, ya, b), at(s, yb, b), at(s, yb, a))
     for (sa, _), (sb, _) in zip(high, high[1:]):
         for ta, tb in zip(layers, layers[1:]):
             quad(at(sa, top, tb), at(sb, top, tb), at(sb, top, ta), at(sa, top, ta))
