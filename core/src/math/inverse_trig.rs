@@ -89,7 +89,8 @@ fn lost_in_quotient(q: f32, small: f32, large: f32) -> f32 {
 /// the bit.
 ///
 /// atan2(0, 0) = 0, whatever the signs of the zeros. atan2(0, x) is 0 for x > 0 and pi for x < 0; atan2(-0, x < 0) is
-/// -pi. Two infinities count as equal (pi/4 and its reflections). NaN gives NaN.
+/// -pi. Two infinities count as equal (atan2(1, 1), which is pi/4 less an ulp, and its
+/// reflections). NaN gives NaN.
 #[inline]
 #[must_use]
 pub fn atan2(y: f32, x: f32) -> f32 {
