@@ -34,9 +34,11 @@ pub fn geometry(bytes: &[u8]) {
     } else {
         bytes.iter().map(|&b| f32::from(b as i8) * 0.25).collect()
     };
-    let vectors: Vec<[f32; 3]> = values.chunks_exact(3).take(2 + 3 * 64).map(|c| [c[0], c[1], c[2]]).collect();
+    let vectors: Vec<[f32; 3]> =
+        values.chunks_exact(3).take(2 + 3 * 64).map(|c| [c[0], c[1], c[2]]).collect();
     let [origin, direction, positions @ ..] = &vectors[..] else { return };
-    let triangles: Vec<[u32; 3]> = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let triangles: Vec<[u32; 3]> =
+        (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let primitives = Primitives { positions, triangles: &triangles, shapes: &[] };
     let t_max = if mode & 2 == 0 { f32::INFINITY } else { 1.0 };
     let ray = Ray { origin: Vec3::from_array(*origin), direction: Vec3::from_array(*direction), t_max };

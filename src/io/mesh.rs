@@ -9,6 +9,7 @@ use super::bitmap;
 use super::error::{LoadError, Note, Problem, quoted};
 use super::mtl::{MtlMap, MtlMaterial, parse_mtl};
 use super::obj::{Obj, parse_obj};
+use super::ply::parse_ply;
 use super::source::{FileSource, Found, find, read_file};
 
 /// Longer mesh files are refused.
@@ -113,6 +114,11 @@ impl<'a> Loader<'a> {
                     material_names,
                     ..MeshDesc::default()
                 }
+            }
+            "ply" => {
+                let (mesh, notes) = parse_ply(&read_file(self.source, path, MAX_MESH_FILE)?, path)?;
+                self.notes.extend(notes);
+                mesh
             }
             "gltf" | "glb" => {
                 return Err(LoadError::new(path, Problem::Unsupported("a glTF mesh".into())));

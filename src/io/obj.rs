@@ -74,22 +74,21 @@ impl Tally {
 
     fn notes(self, file: &Path) -> impl Iterator<Item = Note> {
         self.0.into_iter().map(move |(message, line, count)| {
-            Note::new(file, Some(line), message.replace("{n}", &count.to_string()))
+            Note::new(file, Some(line), format!("{count} {message} (this is the first)"))
         })
     }
 }
 
-const THIN: &str = "faces with fewer than three corners were dropped (this many: {n})";
-const DEGENERATE: &str = "faces without area were dropped (this many: {n})";
-const NOT_SURFACES: &str = "lines and points are not surfaces and were left out (this many: {n})";
-const FREE_FORM: &str = "free-form curves and surfaces were left out (this many statements: {n})";
-const COLOURS: &str = "vertex colours are ignored (on this many vertices: {n})";
-const WEIGHTS: &str = "the fourth coordinate of vertices is ignored (on this many vertices: {n})";
-const NO_TEXCOORD: &str = "corners that refer to no existing texture coordinate use (0, 0) (this many: {n})";
-const NO_NORMAL: &str =
-    "corners that refer to no existing normal use the normal of their triangle (this many: {n})";
-const BAD_TEXCOORD: &str = "texture coordinates that are not finite were set to 0 (this many: {n})";
-const BAD_NORMAL: &str = "normals that are not finite were set to 0 (this many: {n})";
+const THIN: &str = "faces with fewer than three corners, dropped";
+const DEGENERATE: &str = "faces without area, dropped";
+const NOT_SURFACES: &str = "lines and points, left out because they are no surfaces";
+const FREE_FORM: &str = "statements of free-form curves and surfaces, left out";
+const COLOURS: &str = "vertices with colours, which are ignored";
+const WEIGHTS: &str = "vertices with a fourth coordinate, which is ignored";
+const NO_TEXCOORD: &str = "corners that refer to no existing texture coordinate, which use (0, 0)";
+const NO_NORMAL: &str = "corners that refer to no existing normal, which use that of their triangle";
+const BAD_TEXCOORD: &str = "texture coordinates that are not finite, set to 0";
+const BAD_NORMAL: &str = "normals that are not finite, set to 0";
 
 /// Parses an OBJ file. `file` appears in messages only.
 pub fn parse_obj(bytes: &[u8], file: &Path) -> Result<Obj, LoadError> {

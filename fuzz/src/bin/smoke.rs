@@ -20,8 +20,20 @@ impl Random {
 }
 
 fn mutate(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
-    const WORDS: [&[u8]; 12] =
-        [b"-1", b"0", b"nan", b"1e39", b"4294967296", b"[", b"]", b"\"", b"\n", b"\xff\xff\xff\xff", b"\0\0\0\0", b"\0\0\x80\x7f"];
+    const WORDS: [&[u8]; 12] = [
+        b"-1",
+        b"0",
+        b"nan",
+        b"1e39",
+        b"4294967296",
+        b"[",
+        b"]",
+        b"\"",
+        b"\n",
+        b"\xff\xff\xff\xff",
+        b"\0\0\0\0",
+        b"\0\0\x80\x7f",
+    ];
     let mut input = seeds[random.below(seeds.len())].clone();
     for _ in 0..=random.below(6) {
         let at = random.below(input.len() + 1);
@@ -54,7 +66,8 @@ fn main() {
     let (mut failed, mut passed) = (0, 0);
     for (name, target) in TARGETS {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("seeds").join(name);
-        let mut files: Vec<_> = fs::read_dir(&folder).expect("a folder of seeds").map(|e| e.expect("a seed").path()).collect();
+        let mut files: Vec<_> =
+            fs::read_dir(&folder).expect("a folder of seeds").map(|e| e.expect("a seed").path()).collect();
         files.sort();
         let seeds: Vec<Vec<u8>> = files.iter().map(|f| fs::read(f).expect("a seed")).collect();
         assert!(!seeds.is_empty(), "no seeds in {}", folder.display());
