@@ -5,8 +5,9 @@ use etendue::metrics::MetricsError;
 use etendue::metrics::flip::{DEFAULT_PIXELS_PER_DEGREE, flip_map};
 
 /// Per pixel and on the mean. Theirs computes in f32 throughout, with tabulated white and inverse matrix.
-const PIXEL: f32 = 1e-3;
-const MEAN: f32 = 1e-4;
+/// Found: 1.1e-4 (where features nearly vanish, under the square root) and 1.2e-5.
+const PIXEL: f32 = 5e-4;
+const MEAN: f32 = 5e-5;
 
 type Bytes = Vec<[u8; 3]>;
 
@@ -52,12 +53,13 @@ fn agrees_with_the_authors_program() {
     let gradient = |w: usize, h: usize| {
         image(w, h, move |x, y| [(x * 255 / w) as u8, (y * 255 / h) as u8, ((x + y) * 127 / (w + h)) as u8])
     };
-    let (w, h) = (150, 97);
+    let (w, h) = (90, 61);
     let base = gradient(w, h);
     let noisy: Bytes = (base.iter().enumerate())
         .map(|(i, p)| [0, 1, 2].map(|c| p[c].saturating_add((noise(3 * i + c) % 64) as u8)))
         .collect();
     let brighter: Bytes = base.iter().map(|p| p.map(|v| v.saturating_add(8))).collect();
+    let faint: Bytes = base.iter().map(|p| [p[0].saturating_add(1), p[1], p[2]]).collect();
     let checker = image(w, h, |x, y| if (x / 5 + y / 7) % 2 == 0 { [250, 240, 30] } else { [20, 30, 220] });
     let shifted =
         image(w, h, |x, y| if ((x + 1) / 5 + y / 7) % 2 == 0 { [250, 240, 30] } else { [20, 30, 220] });
@@ -68,6 +70,7 @@ fn agrees_with_the_authors_program() {
     for (name, r, x) in [
         ("noise", &base, &noisy),
         ("brighter", &base, &brighter),
+        ("faint", &base, &faint),
         ("shifted edges", &checker, &shifted),
         ("all noise", &base, &wild),
         ("lines", &flat, &lines),
@@ -78,7 +81,7 @@ fn agrees_with_the_authors_program() {
         }
     }
     // The cases reach over the scale, so that agreement says something.
-    assert!(means.iter().any(|m| *m < 0.05) && means.iter().any(|m| *m > 0.4), "{means:?}");
+    assert!(means.iter().any(|m| *m < 0.1) && means.iter().any(|m| *m > 0.8), "{means:?}");
 }
 
 #[test]

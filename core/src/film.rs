@@ -235,6 +235,11 @@ impl Film {
         }
         Some(out)
     }
+
+    /// Standard error of the mean at one element; `None` below two blocks.
+    pub fn standard_error(&self, element: usize) -> Option<[f64; 3]> {
+        Some(self.variance(element)?.map(libm::sqrt))
+    }
 }
 
 impl Sums {

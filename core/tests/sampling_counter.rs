@@ -6,7 +6,7 @@
 #[path = "sampling_support.rs"]
 mod support;
 
-use etendue_core::sampling::counter::{Counter, counter_u32, hash_combine, hash_u32, hash4, philox4x32_10};
+use etendue_core::sampling::counter::{Counter, counter_u32, hash_combine, hash_u32, philox4x32_10};
 use etendue_core::sampling::{ONE_MINUS_EPSILON, u32_to_unit};
 use support::{assert_random, chi2_uniform_p, sidak};
 
@@ -43,7 +43,7 @@ fn high_word(a: u32, b: u32) -> u32 {
 #[test]
 fn philox_needs_no_64_bit_integers() {
     for i in 0..10_000_u32 {
-        let (c, k) = (hash4([i, 1, 2, 3]), [hash_u32(i), i]);
+        let (c, k) = ([i, hash_u32(i ^ 1), 2, 3], [hash_u32(i), i]);
         let mut x = c;
         for r in 0..10 {
             let (k0, k1) = (
@@ -108,7 +108,6 @@ fn neighbouring_addresses_are_independent() {
             level,
             "hash_combine seeds",
         );
-        assert_random(pair_p(n, shift, |i| (hash4([i, 0, 0, 0])[0], hash4([0, 0, i, 0])[1])), level, "hash4");
     }
 }
 

@@ -34,7 +34,6 @@ MATERIALS = [  # name, linear reflectance
     ("flagstone", (0.46, 0.46, 0.45)),
     ("flagstone_dark", (0.36, 0.37, 0.39)),
     ("lawn", (0.11, 0.22, 0.05)),
-    ("basin", (0.30, 0.38, 0.44)),
 ]
 
 
@@ -93,7 +92,7 @@ def box(name, low, high, material, step=1.5):
     return solid
 
 
-def lathe(name, cx, cz, profile, material, sides=16, cap_material=None):
+def lathe(name, cx, cz, profile, material, sides=16):
     """Turns (radius, y) points, bottom to top, about a vertical axis; flat caps at both ends."""
     solid = Solid(name)
     ring = [(math.cos(math.tau * (k + 0.5) / sides), math.sin(math.tau * (k + 0.5) / sides)) for k in range(sides)]
@@ -107,7 +106,7 @@ def lathe(name, cx, cz, profile, material, sides=16, cap_material=None):
     for (r, y), up in ((profile[0], False), (profile[-1], True)):
         for k in range(sides):
             a, b = at(k, r, y), at(k + 1, r, y)
-            solid.tri((cx, y, cz), *((b, a) if up else (a, b)), (cap_material or material) if up else material)
+            solid.tri((cx, y, cz), *((b, a) if up else (a, b)), material)
     return solid
 
 
@@ -203,12 +202,20 @@ def arched_wall(name, span, openings, levels, depth, along_x, material):
                     quad(at(sa, ya, ta), at(sb, yb, ta), at(sb, yb, tb), at(sa, ya, tb))
             low += arch[1:-1]
     high = [(s, top) for k in range(0, len(edges), 2) for s in spread(edges[k], edges[k + 1], 1.6)]
+    # the spandrels end in a level line above the crowns, and plain courses follow
+    crown = spring + max(w for _, w, _ in openings) + 0.2
+    courses = spread(crown, top, 1.6)
     for t, back in ((far, False), (near, True)):
-        solid.zipper([at(s, y, t) for s, y in low], [at(s, y, t) for s, y in high], material, back == along_x)
+        solid.zipper([at(s, y, t) for s, y in low], [at(s, crown, t) for s, _ in high], material, back == along_x)
+        for (sa, _), (sb, _) in zip(high, high[1:]):
+            a, b = (sb, sa) if back else (sa, sb)
+            for ya, yb in zip(courses, courses[1:]):
+                quad(at(a, ya, t), at(b, ya, t), at(b, yb, t), at(a, yb, t))
     for s, back in ((span[0], True), (span[1], False)):
         for ta, tb in zip(layers, layers[1:]):
             a, b = (ta, tb) if back else (tb, ta)
-            quad(at(s, spring, a), at(s, spring, b), at(s, top, b), at(s, top, a))
+            for ya, yb in zip([spring, *courses], courses):
+                quad(at(s, ya, a), at(s, ya, b), at(s, yb, b), at(s, yb, a))
     for (sa, _), (sb, _) in zip(high, high[1:]):
         for ta, tb in zip(layers, layers[1:]):
             quad(at(sa, top, tb), at(sb, top, tb), at(sb, top, ta), at(sa, top, ta))
@@ -278,14 +285,13 @@ def half_ring(centre, inner, outer, foot, place):
 
 def building():
     parts = [ground(), superstructure()]
-    for k in range(BAYS + 1):
+    for k in range(1, BAYS):
         parts += column(f"column{k}", -HALF + k * PITCH)
     for k in range(BAYS + 1):
         x = -HALF + k * PITCH
         parts += [
             box(f"pilaster{k}_base", (x - 0.32, -0.03, -0.05), (x + 0.32, 0.18, 0.21), "limestone"),
             box(f"pilaster{k}_shaft", (x - 0.24, 0.16, -0.06), (x + 0.24, 2.80, 0.13), "limestone"),
-            box(f"pilaster{k}_neck", (x - 0.28, 2.62, -0.04), (x + 0.28, 2.68, 0.17), "limestone"),
             box(f"pilaster{k}_capital", (x - 0.34, 2.78, -0.12), (x + 0.34, SPRING, 0.22), "limestone"),
         ]
         # a band under each transverse barrel, from the pilaster to the abacus
@@ -313,6 +319,10 @@ def building():
         wall = arched_wall(f"{name}_wall", (-0.3, FAR + 0.4), [(WALK / 2, 0.85, 2.1)], (-0.9, 5.5), (near, far), False, "ochre")
         parts.append(wall)
         sign = 1 if far > 0 else -1
+        # where the arcade meets the wall a respond stands instead of a column
+        for part, width, depth, foot, head in (("base", 0.44, 0.44, -0.03, 0.22), ("shaft", 0.34, 0.36, 0.2, 2.84), ("capital", 0.42, 0.43, 2.82, SPRING)):
+            xa, xb = sorted((sign * (HALF - depth), sign * (HALF + depth / 4)))
+            parts.append(box(f"{name}_respond_{part}", (xa, foot, ARCADE - width), (xb, head, ARCADE + width), "limestone", 2.7))
         xa, xb = sorted((sign * (HALF + 0.25), sign * (HALF + 0.4)))
         parts.append(box(f"{name}_door", (xa, -0.06, 0.9), (xb, 3.0, 2.7), "teal"))
         xa, xb = sorted((sign * (HALF - 0.25), sign * (HALF + 0.35)))
@@ -322,10 +332,7 @@ def building():
         arched_wall("far_wall", (-HALF - 0.15, HALF + 0.15), blind, (-0.7, 5.4), (FAR, FAR + 0.6), True, "ochre"),
         box("far_backing", (-HALF - 0.1, -0.8, FAR + 0.35), (HALF + 0.1, 5.0, FAR + 0.7), "plaster", 3.0),
         box("far_coping", (-HALF - 0.12, 5.3, FAR - 0.12), (HALF + 0.12, 5.52, FAR + 0.8), "limestone", 3.0),
-        box("lawn", (-6.0, -0.62, 8.2), (6.0, -0.36, 12.4), "lawn", 2.0),
-        lathe("fountain_foot", 0.0, 10.3, [(0.55, -0.5), (0.55, -0.2), (0.25, -0.1), (0.2, 0.35), (0.3, 0.46), (0.3, 0.62)], "limestone"),
-        lathe("fountain_bowl", 0.0, 10.3, [(0.26, 0.42), (0.8, 0.6), (1.1, 0.85), (1.15, 0.95), (1.05, 0.95), (0.95, 0.82)], "limestone", 16, "basin"),
-        lathe("fountain_stem", 0.0, 10.3, [(0.12, 0.7), (0.09, 1.3), (0.2, 1.45), (0.22, 1.55), (0.02, 1.85)], "limestone", 12),
+        box("lawn", (-6.0, -0.62, 8.2), (6.0, -0.36, 12.4), "lawn", 3.0),
     ]  # fmt: skip
     return parts
 

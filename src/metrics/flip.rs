@@ -25,9 +25,8 @@ const SENSITIVITY_CZ: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 const COLOR_EXPONENT: f64 = 0.7;
 const BEND_AT: f64 = 0.4;
 const BEND_TO: f64 = 0.95;
-/// Width of a detected feature in degrees, and the exponent of the feature difference.
+/// Width of a detected feature in degrees. (The feature difference goes to the power 0.5: a square root.)
 const FEATURE_WIDTH: f64 = 0.082;
-const FEATURE_EXPONENT: f64 = 0.5;
 
 /// D65 white of the sRGB primaries below: the row sums of the matrix.
 const RGB_TO_XYZ: [[f64; 3]; 3] = [
@@ -78,13 +77,9 @@ impl Space {
         [0, 1, 2].map(|i| xyz[i] / self.white[i])
     }
 
-    /// sRGB display value on \[0, 1\] (clamped, NaN 0) to YCxCz: L*a*b* without its cube roots.
-    fn ycxcz(&self, srgb: [f32; 3]) -> Color {
-        let linear = srgb.map(|v| {
-            let v = f64::from(v.max(0.0)).min(1.0);
-            if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-        });
-        let [x, y, z] = self.relative(linear);
+    /// Linear display light on \[0, 1\] (clamped, NaN 0) to YCxCz: L*a*b* without its cube roots.
+    fn ycxcz(&self, linear: [f32; 3]) -> Color {
+        let [x, y, z] = self.relative(linear.map(|v| f64::from(v.max(0.0)).min(1.0)));
         [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
     }
 
@@ -293,6 +288,27 @@ pub fn flip_map(
     test: &[[f32; 3]],
     pixels_per_degree: f64,
 ) -> Result<Vec<f32>, MetricsError> {
+    let decode = |image: &[[f32; 3]]| -> Vec<[f32; 3]> { image.iter().map(|p| p.map(decode_srgb)).collect() };
+    flip_map_linear(width, height, &decode(reference), &decode(test), pixels_per_degree)
+}
+
+/// The inverse of the sRGB transfer function (IEC 61966-2-1), on \[0, 1\] (clamped, NaN 0).
+fn decode_srgb(value: f32) -> f32 {
+    let v = f64::from(value.max(0.0)).min(1.0);
+    (if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }) as f32
+}
+
+/// [`flip_map`] of images that are not encoded: the linear light of a display on \[0, 1\] (clamped, NaN 0).
+///
+/// # Errors
+/// As [`flip_map`].
+pub fn flip_map_linear(
+    width: usize,
+    height: usize,
+    reference: &[[f32; 3]],
+    test: &[[f32; 3]],
+    pixels_per_degree: f64,
+) -> Result<Vec<f32>, MetricsError> {
     let pixels = super::pixel_count(width, height)?;
     for (what, image) in [("r", reference), ("x", test)] {
         if image.len() != pixels {
@@ -308,7 +324,7 @@ pub fn flip_map(
     let difference = |i: usize| {
         let color = space.color_difference(r.color_at(i), x.color_at(i));
         let change = (r.edge[i] - x.edge[i]).abs().max((r.point[i] - x.point[i]).abs());
-        let feature = (FRAC_1_SQRT_2 * f64::from(change)).clamp(0.0, 1.0).powf(FEATURE_EXPONENT);
+        let feature = (FRAC_1_SQRT_2 * f64::from(change)).clamp(0.0, 1.0).sqrt();
         color.powf(1.0 - feature).clamp(0.0, 1.0) as f32
     };
     Ok((0..pixels).map(difference).collect())

@@ -209,17 +209,20 @@ pub fn compare(input: &MetricsInput<'_>) -> Result<Metrics, MetricsError> {
         exposure: auto_exposure(input.r, Some(&s.used)),
         ..ToneSettings::default()
     });
-    let display = |image: &[[f32; 3]]| -> Vec<[f32; 3]> {
+    // FLIP starts from the light of the display: only the gamma curve has to be shown and decoded for that.
+    let shown = |image: &[[f32; 3]]| -> Vec<[f32; 3]> {
         // Where a pixel does not count, both images show the reference: no difference leaks out of the mask.
-        (0..image.len()).map(|i| tone::display(tone, if s.used[i] { image[i] } else { input.r[i] })).collect()
+        let pixel = |i: usize| if s.used[i] { image[i] } else { input.r[i] };
+        (0..image.len())
+            .map(|i| match tone.map {
+                ToneMap::Gamma => tone::display(tone, pixel(i)),
+                ToneMap::Reinhard | ToneMap::None => tone::apply(tone, pixel(i)),
+            })
+            .collect()
     };
-    let map = flip::flip_map(
-        input.width,
-        input.height,
-        &display(input.r),
-        &display(input.x),
-        input.pixels_per_degree,
-    )?;
+    let measure = if tone.map == ToneMap::Gamma { flip::flip_map } else { flip::flip_map_linear };
+    let (r, x) = (shown(input.r), shown(input.x));
+    let map = measure(input.width, input.height, &r, &x, input.pixels_per_degree)?;
     let flip_sum: f64 = map.iter().zip(&s.used).filter(|(_, u)| **u).map(|(v, _)| f64::from(*v)).sum();
 
     let sums = estimate::Sums::new(input, &s);

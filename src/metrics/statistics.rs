@@ -8,7 +8,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::erf;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-/// Share of a standard normal below `z`. Absolute error below 1e-15, relative error below 1e-12 for z > -30.
+/// Share of a standard normal below `z`. Relative error below 1e-9 for z > -30, tails included (found: 6e-11).
 /// NaN gives 1/2.
 pub fn normal_cdf(z: f64) -> f64 {
     if z.is_nan() { 0.5 } else { 0.5 * erf::erfc(-z * FRAC_1_SQRT_2) }
@@ -48,7 +48,8 @@ pub fn sidak(alpha: f64, n: u64) -> f64 {
 
 /// Probability that a chi-square variable with `df` degrees of freedom exceeds `statistic`.
 ///
-/// Relative error below 1e-9 for df up to 1e4 where the value is above 1e-200. `df` <= 0 is the constant 0.
+/// Relative error below 1e-9 for df up to 1e4 where the value is above 1e-200; above 1e8 degrees absolute error
+/// below 1e-6 (a normal stands in). `df` <= 0 is the constant 0.
 /// A NaN statistic gives 0: what could not be computed does not pass.
 pub fn chi_square_survival(statistic: f64, df: f64) -> f64 {
     if statistic.is_nan() || df.is_nan() {
@@ -57,10 +58,19 @@ pub fn chi_square_survival(statistic: f64, df: f64) -> f64 {
     if statistic <= 0.0 {
         return 1.0;
     }
+    if df.is_infinite() {
+        return if df > 0.0 { 1.0 } else { 0.0 };
+    }
     if statistic.is_infinite() || df <= 0.0 {
         return 0.0;
     }
-    // The constructor refuses only what was handled above and infinite df, whose variable exceeds anything.
+    if df > 1e8 {
+        // Wilson and Hilferty (1931): the cube root of chi-square / df is nearly normal. The series below
+        // takes about sqrt(df) terms and would seem to hang.
+        let spread = 2.0 / (9.0 * df);
+        return normal_survival(((statistic / df).cbrt() - (1.0 - spread)) / spread.sqrt());
+    }
+    // The constructor refuses only what was handled above.
     ChiSquared::new(df).map_or(1.0, |d| d.sf(statistic)).clamp(0.0, 1.0)
 }
 

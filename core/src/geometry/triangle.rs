@@ -27,11 +27,15 @@ pub fn triangle_bounds(v: [Vec3; 3]) -> Aabb {
 /// only become 0, and 0 counts as inside for both triangles of a shared edge. Hence no gap between them.
 /// `det = u + v + w` equal to zero, infinite or NaN is a miss (degenerate or seen exactly edge-on).
 ///
-/// `t` is then clamped from below to the entry of the ray into the triangle's own box, and missing that box is a
-/// miss; a `t` below 0 or above `t_max` after that is a miss. A triangle in an axis plane has a flat box, so a ray
-/// that starts in that plane inside the triangle hits at exactly 0; the same holds for one that starts at a vertex.
-/// For other planes the sign of the computed `t` decides, whose error is that of the vertex differences
-/// (about 4 ulp of the largest distance from the origin to a vertex, over the cosine of incidence).
+/// `t` is then clamped to the ray's interval within the triangle's own box (both sides, not cut to `[0, t_max]`),
+/// and missing that box is a miss; a `t` below 0 or above `t_max` after that is a miss. The lower clamp is what
+/// makes every tree agree; the upper one makes `t` good to 3 eps for triangles in an axis plane, whose box is flat.
+/// A ray that starts in the plane of such a triangle, inside it, hits at exactly 0, and so does one that starts at
+/// a vertex of any triangle. Elsewhere the sign of the computed `t` decides.
+/// Accuracy: `t |d|` within 16 u reach / cosine, barycentrics within 4 u reach / (smallest height * cosine), with
+/// u = 2^-24, reach the largest distance from the origin to a vertex, cosine that of incidence
+/// (measured against f64 on random triangles of sizes 1e-3 to 1e3 from distances 1e-2 to 1e3; the error of `t`
+/// grows by longest^2 / (10 area) for triangles thinner than 1 to 20).
 #[inline(always)]
 pub fn intersect_triangle(ray: &PreparedRay, v: [Vec3; 3], t_max: f32) -> Option<TriangleHit> {
     let (sx, sy, sz) = (ray.shear.x, ray.shear.y, ray.shear.z);
@@ -44,7 +48,10 @@ pub fn intersect_triangle(ray: &PreparedRay, v: [Vec3; 3], t_max: f32) -> Option
     let e0 = cx * by - cy * bx;
     let e1 = ax * cy - ay * cx;
     let e2 = bx * ay - by * ax;
-    if (e0 < 0.0 || e1 < 0.0 || e2 < 0.0) && (e0 > 0.0 || e1 > 0.0 || e2 > 0.0) {
+    // One branch, not six: their signs are as good as random.
+    let negative = (e0 < 0.0) | (e1 < 0.0) | (e2 < 0.0);
+    let positive = (e0 > 0.0) | (e1 > 0.0) | (e2 > 0.0);
+    if negative & positive {
         return None;
     }
     let det = e0 + e1 + e2;
@@ -55,9 +62,10 @@ pub fn intersect_triangle(ray: &PreparedRay, v: [Vec3; 3], t_max: f32) -> Option
     let t = (e0 * (az * sz) + e1 * (bz * sz) + e2 * (cz * sz)) / det;
     let own = triangle_bounds(v);
     let (enter, leave) = slab_interval(ray, own.lo, own.hi);
-    // Keeps a NaN, which the next test refuses.
+    // Both comparisons keep a NaN, which the next test refuses.
+    let t = if t > leave { leave } else { t };
     let t = if t < enter { enter } else { t };
-    if !(t >= 0.0 && t <= t_max && t < f32::INFINITY && enter <= leave && leave >= 0.0) {
+    if !(t >= 0.0 && t <= t_max && t < f32::INFINITY && enter <= leave) {
         return None;
     }
     let b1 = e1 / det;

@@ -220,16 +220,20 @@ pub fn environment_irradiance(radiance: [f32; 3]) -> Vec3 {
     Vec3::from_array(radiance) * (1.0 / INV_PI)
 }
 
-/// The shadow ray of a sample from an already offset origin.
+/// The shadow ray of a sample, from a surface point with its unit normal `ng` on the receiving side. Both ends are
+/// offset, so that neither the surface left nor the light itself is in the way.
 #[inline]
-pub fn shadow_ray(sample: &LightSample, origin: Vec3) -> Ray {
+pub fn shadow_ray(sample: &LightSample, from: &SurfacePoint, ng: Vec3) -> Ray {
     if sample.distant {
-        return Ray { origin, direction: sample.wi, t_max: f32::MAX };
+        return Ray { origin: offset_origin(from, ng, sample.wi), direction: sample.wi, t_max: f32::MAX };
     }
+    // The rounding of the ray test scales with the length of the segment as well.
+    let distance = (sample.point - from.position).length();
+    let origin = offset_origin(&from.within(distance), ng, sample.wi);
     let end = if sample.normal == Vec3::ZERO {
         sample.point
     } else {
-        let p = SurfacePoint { position: sample.point, extent: sample.extent };
+        let p = SurfacePoint { position: sample.point, extent: sample.extent }.within(distance);
         offset_origin(&p, sample.normal, -sample.wi)
     };
     segment(origin, end)

@@ -78,21 +78,34 @@ pub(super) const fn upper8(x: f32) -> f32 {
     f32::from_bits(x.to_bits() & 0xffff_0000)
 }
 
-/// An integer within 1/2 (and an ulp) of `x`, |x| < 2^31; 0 for NaN.
+/// The integer nearest to `x`, halves to even, as an integer and as a float; |x| < 2^22 (a NaN gives NaN and a
+/// meaningless integer).
 ///
-/// By conversion, not by adding 1.5 * 2^23: a shader compiler may fold that sum away.
+/// Adding 1.5 * 2^23 leaves it in the low bits of the sum. A shader compiler may fold that sum away: the WGSL twin
+/// is `round`, which is halves to even too.
 #[inline(always)]
-pub(super) fn nearest_i32(x: f32) -> i32 {
-    (x + f32::copysign(0.5, x)) as i32
+pub(super) fn nearest(x: f32) -> (i32, f32) {
+    const SHIFT: f32 = 12_582_912.0;
+    let sum = x + SHIFT;
+    ((sum.to_bits() as i32).wrapping_sub(SHIFT.to_bits() as i32), sum - SHIFT)
 }
 
-/// `x` > 0 and finite as `2^k m` with m in [sqrt(1/2), sqrt 2): (k, m). Exact, subnormals included.
+/// Whether `x` is positive, finite and not subnormal: one comparison.
 #[inline(always)]
-pub(super) fn split_around_one(x: f32) -> (i32, f32) {
+pub(super) const fn is_positive_normal(x: f32) -> bool {
+    x.to_bits().wrapping_sub(0x0080_0000) < 0x7f00_0000
+}
+
+/// A positive normal `x` as `2^k m` with m in [sqrt(1/2), sqrt 2): (k, m). Exact.
+#[inline(always)]
+pub(super) const fn split_around_one(x: f32) -> (i32, f32) {
     const SQRT_HALF: u32 = 0x3f35_04f3;
-    let subnormal = x < f32::MIN_POSITIVE;
-    let (x, shift) = if subnormal { (x * 8_388_608.0, -23) } else { (x, 0) };
     let above = x.to_bits().wrapping_sub(SQRT_HALF);
-    let k = (above as i32) >> 23;
-    (k + shift, f32::from_bits((above & 0x007f_ffff) + SQRT_HALF))
+    ((above as i32) >> 23, f32::from_bits((above & 0x007f_ffff) + SQRT_HALF))
+}
+
+/// 2^23 makes every subnormal normal: a subnormal `x` is `2^-23 normalised(x)`.
+#[inline(always)]
+pub(super) const fn normalised(x: f32) -> f32 {
+    x * 8_388_608.0
 }

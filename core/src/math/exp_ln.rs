@@ -3,7 +3,7 @@
 //! Coefficients: minimax in relative error over the reduced range (Remez exchange), rounded to f32 one by one
 //! from the lowest order, the rest refitted each time.
 
-use super::bits::{nearest_i32, scale, split_around_one, upper12};
+use super::bits::{is_positive_normal, nearest, normalised, scale, split_around_one, upper12};
 
 /// ln 2 = LN2_UPPER + LN2_LOWER; the upper part has 15 bits, so that its product with an exponent is exact.
 const LN2_UPPER: f32 = 0.693_145_75;
@@ -36,13 +36,17 @@ fn ln_tail(f: f32, f2: f32) -> f32 {
 #[inline]
 #[must_use]
 pub fn ln(x: f32) -> f32 {
+    if is_positive_normal(x) { ln_normal(x, 0) } else { unusual(x, ln_normal) }
+}
+
+#[inline(always)]
+fn ln_normal(x: f32, shift: i32) -> f32 {
     let (k, m) = split_around_one(x);
-    let k = k as f32;
+    let k = (k + shift) as f32;
     let f = m - 1.0;
     let f2 = f * f;
     let tail = f * f2 * ln_tail(f, f2) + k * LN2_LOWER;
-    let y = k * LN2_UPPER + (f - (0.5 * f2 - tail));
-    special_logarithm(x, y)
+    k * LN2_UPPER + (f - (0.5 * f2 - tail))
 }
 
 /// Binary logarithm, for every `x` > 0, subnormals included; exact for powers of two; accuracy in
@@ -54,6 +58,11 @@ pub fn ln(x: f32) -> f32 {
 #[inline]
 #[must_use]
 pub fn log2(x: f32) -> f32 {
+    if is_positive_normal(x) { log2_normal(x, 0) } else { unusual(x, log2_normal) }
+}
+
+#[inline(always)]
+fn log2_normal(x: f32, shift: i32) -> f32 {
     let (k, m) = split_around_one(x);
     let f = m - 1.0;
     let f2 = f * f;
@@ -63,19 +72,20 @@ pub fn log2(x: f32) -> f32 {
     let lower = ((f - upper) - half_square) + tail;
     let small = (lower + upper) * INV_LN2_LOWER + lower * INV_LN2_UPPER;
     let large = upper * INV_LN2_UPPER;
-    let k = k as f32;
+    let k = (k + shift) as f32;
     // k + large, and what that sum loses (|k| is 0 or > |large|).
     let sum = k + large;
     let lost = if k == 0.0 { 0.0 } else { large - (sum - k) };
-    special_logarithm(x, sum + (lost + small))
+    sum + (lost + small)
 }
 
-#[inline(always)]
-fn special_logarithm(x: f32, y: f32) -> f32 {
-    if x > 0.0 && x < f32::INFINITY {
-        y
-    } else if x <= 0.0 {
+/// The logarithm of what is not positive and normal.
+#[cold]
+fn unusual(x: f32, logarithm: impl Fn(f32, i32) -> f32) -> f32 {
+    if x <= 0.0 {
         f32::NEG_INFINITY
+    } else if x < f32::MIN_POSITIVE {
+        logarithm(normalised(x), -23)
     } else {
         x
     }
@@ -92,8 +102,7 @@ pub fn exp(x: f32) -> f32 {
     // Written so that NaN passes.
     let x = if x > 89.0 { 89.0 } else { x };
     let x = if x < -104.0 { -104.0 } else { x };
-    let k = nearest_i32(x * INV_LN2);
-    let kf = k as f32;
+    let (k, kf) = nearest(x * INV_LN2);
     let upper = x - kf * LN2_UPPER;
     let lower = kf * LN2_LOWER;
     let r = upper - lower;
@@ -124,6 +133,6 @@ pub(super) fn exp2_minus_one(r: f32, lower: f32) -> f32 {
 pub fn exp2(x: f32) -> f32 {
     let x = if x > 129.0 { 129.0 } else { x };
     let x = if x < -151.0 { -151.0 } else { x };
-    let k = nearest_i32(x);
-    scale(1.0 + exp2_minus_one(x - k as f32, 0.0), k)
+    let (k, kf) = nearest(x);
+    scale(1.0 + exp2_minus_one(x - kf, 0.0), k)
 }

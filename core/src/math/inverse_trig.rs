@@ -1,5 +1,6 @@
 //! Arc sine, arc cosine, arc tangent: results in radians.
 
+use super::bits::upper12;
 use super::consts::{HALF_PI, HALF_PI_LOW, PI, PI_LOW};
 use super::root_functions::sqrt;
 
@@ -74,11 +75,22 @@ fn atan_tail(z: f32) -> f32 {
     z * ((a + z2 * b) + z4 * ((c + z2 * d) + z4 * -0.001_782_405_9))
 }
 
+/// What the rounding of q = small / large has lost, to a few bits: (small - q large) / large.
+#[inline(always)]
+fn lost_in_quotient(q: f32, small: f32, large: f32) -> f32 {
+    // Each product of the pieces is exact, and the differences cancel exactly.
+    let (q_upper, l_upper) = (upper12(q), upper12(large));
+    let remainder = ((small - q_upper * l_upper) - (q - q_upper) * l_upper) - q * (large - l_upper);
+    // Below, products would be subnormal; infinities have no remainder.
+    if small > 1.0e-24 && large < f32::INFINITY { remainder / large } else { 0.0 }
+}
+
 /// The angle of the vector (x, y) against the x axis, in [-pi, pi] (f32 pi); accuracy in [`ACCURACY`](super::ACCURACY). Odd in `y` to
 /// the bit.
 ///
 /// atan2(0, 0) = 0, whatever the signs of the zeros. atan2(0, x) is 0 for x > 0 and pi for x < 0; atan2(-0, x < 0) is
-/// -pi. Two infinities count as equal (pi/4 and its reflections). NaN gives NaN.
+/// -pi. Two infinities count as equal (atan2(1, 1), which is pi/4 less an ulp, and its
+/// reflections). NaN gives NaN.
 #[inline]
 #[must_use]
 pub fn atan2(y: f32, x: f32) -> f32 {
@@ -87,7 +99,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     let (small, large) = if steep { (ax, ay) } else { (ay, ax) };
     // Equal also means both infinite; both zero is the angle 0.
     let q = if small == large { if large == 0.0 { 0.0 } else { 1.0 } } else { small / large };
-    let tail = q * atan_tail(q * q);
+    let tail = q * atan_tail(q * q) + lost_in_quotient(q, small, large);
     // The angle is base +- (q + tail): base in two pieces, and `lost` what the first sum loses.
     let left = x < 0.0;
     let (base, base_low) = if steep {

@@ -1,6 +1,6 @@
 //! Sine, cosine, tangent: argument in radians.
 
-use super::bits::nearest_i32;
+use super::bits::nearest;
 
 /// Largest |x| that [`sin_cos`] reduces: 2^10 pi, rounded down.
 const LIMIT: f32 = 3216.0;
@@ -15,9 +15,9 @@ const TWO_OVER_PI: f32 = core::f32::consts::FRAC_2_PI;
 /// x = n pi/2 + r + lower with |r| <= pi/4 (and an ulp): (n, r, lower).
 #[inline(always)]
 fn reduce(x: f32) -> (i32, f32, f32) {
-    let x = if x.abs() <= LIMIT || x.is_nan() { x } else { 0.0 };
-    let n = nearest_i32(x * TWO_OVER_PI);
-    let nf = n as f32;
+    // Written so that NaN passes.
+    let x = if x.abs() > LIMIT { 0.0 } else { x };
+    let (n, nf) = nearest(x * TWO_OVER_PI);
     // Each subtraction is exact where it cancels; elsewhere what it loses is carried in e2 and e3.
     let r1 = x - nf * HALF_PI_1;
     let n2 = nf * HALF_PI_2;
@@ -50,7 +50,7 @@ fn cos_reduced(r: f32, lower: f32, z: f32) -> f32 {
 /// (sin x, cos x), `x` in radians, |x| <= 3216 (2^10 pi rounded down); accuracy in [`ACCURACY`](super::ACCURACY).
 ///
 /// Reduction by pi/2 in four pieces (after Cody and Waite, 1980), then a polynomial of degree 7 for the sine and
-/// 8 for the cosine. sin is odd and cos even to the bit; both stay in [-1, 1]; sin_cos 0 = (0, 1).
+/// 8 for the cosine. sin is odd and cos even to the bit (but sin -0 = +0); both stay in [-1, 1]; sin_cos 0 = (0, 1).
 ///
 /// Outside the domain: |x| > 3216 counts as 0 and gives (0, 1); so does infinity. NaN gives NaN.
 #[inline]
@@ -60,11 +60,13 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     let z = r * r;
     let s = sin_reduced(r, lower, z);
     let c = cos_reduced(r, lower, z);
-    let (sin, cos) = if n & 1 == 0 { (s, c) } else { (c, s) };
+    // Swapped for odd n, by bits: a branch on n would be mispredicted half of the time.
     let n = n as u32;
+    let (s, c) = (s.to_bits(), c.to_bits());
+    let swap = (s ^ c) & 0_u32.wrapping_sub(n & 1);
     let sin_sign = (n & 2) << 30;
     let cos_sign = (n.wrapping_add(1) & 2) << 30;
-    (f32::from_bits(sin.to_bits() ^ sin_sign), f32::from_bits(cos.to_bits() ^ cos_sign))
+    (f32::from_bits(s ^ swap ^ sin_sign), f32::from_bits(c ^ swap ^ cos_sign))
 }
 
 /// sin x: the first value of [`sin_cos`], to the bit.

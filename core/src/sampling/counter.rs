@@ -3,7 +3,8 @@
 //!
 //! The generator is Philox4x32-10 (J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011):
 //! a keyed bijection of 128-bit counters that passes TestU01's BigCrush, with known answers published in the authors' Random123.
-//! One call makes four words. The seed is its key, (stream, sample, dimension / 4) its counter.
+//! One call makes four words. The seed is its key, (dimension / 4, sample, stream, domain) its counter; the domain is 0 here, and other values
+//! keep the keys of [`super::sobol`] apart.
 //! Its only operation beyond 32-bit `+`, `*` and `^` is the high word of a 32 x 32 bit product, which a shader without 64-bit integers
 //! forms from 16-bit halves.
 
@@ -89,29 +90,4 @@ pub const fn hash_u32(x: u32) -> u32 {
 #[inline(always)]
 pub const fn hash_combine(seed: u32, value: u32) -> u32 {
     hash_u32(hash_u32(seed.wrapping_add(0x9E37_79B9)).wrapping_add(value))
-}
-
-/// Four words hashed together: a bijection of 128 bits (M. Jarzynski, M. Olano, "Hash functions for GPU rendering", JCGT 9(3), 2020: `pcg4d`).
-#[inline]
-pub const fn hash4(v: [u32; 4]) -> [u32; 4] {
-    let [x, y, z, w] = v;
-    let (mut x, mut y, mut z, mut w) = (lcg(x), lcg(y), lcg(z), lcg(w));
-    let mut round = 0;
-    while round < 2 {
-        x = x.wrapping_add(y.wrapping_mul(w));
-        y = y.wrapping_add(z.wrapping_mul(x));
-        z = z.wrapping_add(x.wrapping_mul(y));
-        w = w.wrapping_add(y.wrapping_mul(z));
-        if round == 0 {
-            (x, y, z, w) = (x ^ (x >> 16), y ^ (y >> 16), z ^ (z >> 16), w ^ (w >> 16));
-        }
-        round += 1;
-    }
-    [x, y, z, w]
-}
-
-/// One step of the 32-bit linear congruential generator of Numerical Recipes.
-#[inline(always)]
-const fn lcg(x: u32) -> u32 {
-    x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
 }

@@ -90,9 +90,8 @@ pub fn pick_in(cumulative: &[u32], x: u32) -> Pick {
     let (mut low, mut size) = (0, cumulative.len());
     while size > 1 {
         let half = size / 2;
-        if cumulative[low + half] <= x {
-            low += half;
-        }
+        // Not a branch: it would be mispredicted half of the time.
+        low = core::hint::select_unpredictable(cumulative[low + half] <= x, low + half, low);
         size -= half;
     }
     let (start, end) = span(cumulative, low);

@@ -211,7 +211,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             return None;
         }
         state.pending = pending;
-        Some(light::shadow_ray(&s, surface.leave(s.wi)))
+        Some(light::shadow_ray(&s, &surface.point, surface.geometric))
     }
 
     /// Runs one path to its end; returns what it measures and the number of rays it took.

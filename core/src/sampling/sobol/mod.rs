@@ -10,13 +10,19 @@
 //! every set also *shuffles the index* by an Owen scramble of its own; that permutes each aligned run of 2^k indices within itself or onto
 //! another aligned run, so that prefixes of 2^k points remain nets (B. Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020).
 //!
+//! Functions of two groups converge as 1/N. The constant is not always that of independent points: points 2j and 2j + 1 differ in the first
+//! binary digit of every dimension of every group, so a product of two linear functions, one of each group, has 1.58 times their variance.
+//!
 //! The scramble is Laine and Karras' hash of the bit-reversed word (S. Laine, T. Karras, "Stratified sampling for stochastic transparency",
 //! EGSR 2011) with N. Vegdahl's operations and constants (2021), which mix far better than the original's.
+//! Measured on a loaded two-core machine, throughput per four dimensions: 11 ns for x86-64-v3 (AVX2), 27 to 42 ns for baseline x86-64, which
+//! has neither a 32-bit vector product nor a byte shuffle for bit reversal. A 64-bit reversal of two words with a joint table of dimensions 2
+//! and 3 was tried: no consistent gain.
 //! Everything is 32-bit integer work. Words are kept bit-reversed between the steps: the scramble wants them so, and the tables are built so.
 
 mod tables;
 
-use super::counter::hash4;
+use super::counter::philox4x32_10;
 use super::u32_to_unit;
 pub use tables::{DIMENSIONS, REVERSED};
 
@@ -67,6 +73,13 @@ pub fn sobol(index: u32, d: u32) -> u32 {
     reversed(index, (d % DIMENSIONS) as usize).reverse_bits()
 }
 
+/// A 64-bit key: the first two words of Philox, whose counter names the set (its last word apart from `Counter`'s 0).
+#[inline]
+const fn key(seed: u64, counter: [u32; 4]) -> [u32; 2] {
+    let [a, b, ..] = philox4x32_10(counter, [seed as u32, (seed >> 32) as u32]);
+    [a, b]
+}
+
 /// The `n`-th seed of a 64-bit key: a hash that takes the key's second word in its middle.
 #[inline(always)]
 const fn derive(key: [u32; 2], n: u32) -> u32 {
@@ -92,8 +105,7 @@ impl BlockSampler {
     /// The point `index` of (seed, stream, block).
     #[inline]
     pub const fn new(seed: u64, stream: u32, block: u32, index: u32) -> Self {
-        let [a, b, ..] = hash4([seed as u32, (seed >> 32) as u32, stream, block]);
-        Self { key: [a, b], reversed_index: index.reverse_bits() }
+        Self { key: key(seed, [stream, block, 0, 1]), reversed_index: index.reverse_bits() }
     }
 
     /// Another point of the same block, without hashing the block's name again.
@@ -158,9 +170,7 @@ impl Set {
     /// The set of `seed`.
     #[inline]
     pub const fn new(seed: u64) -> Self {
-        // The last two words keep sets apart from the blocks of a `BlockSampler` with small streams and blocks.
-        let [a, b, ..] = hash4([seed as u32, (seed >> 32) as u32, 0xA5A5_5EED, 0xFFFF_FFFF]);
-        Self { key: [a, b] }
+        Self { key: key(seed, [0, 0, 0, 2]) }
     }
 
     /// The point `index`, ready to give any of its dimensions; shuffles the index once.

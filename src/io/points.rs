@@ -1,0 +1,77 @@
+//! Lists of surface points: `{"probes": [{"position": [x,y,z], "normal": [x,y,z]}, ...]}`.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::atomic::write_whole;
+use super::error::{LoadError, SaveError};
+use super::source::{DiskSource, read_file};
+
+/// Longer files are refused.
+const MAX_FILE: u64 = 1 << 30;
+
+/// A point on a surface, and its irradiance where that is known. Other fields of a file are ignored.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Probe {
+    /// Position \[m\].
+    pub position: [f32; 3],
+    /// Normal on the side that is asked about, any length but zero.
+    pub normal: [f32; 3],
+    /// Irradiance, direct and indirect \[W/m^2\] per channel.
+    #[serde(rename = "E", default, skip_serializing_if = "Option::is_none")]
+    pub irradiance: Option<[f32; 3]>,
+    /// Standard error of `irradiance`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stderr: Option<[f32; 3]>,
+}
+
+#[derive(Deserialize)]
+struct Document {
+    probes: Vec<Probe>,
+}
+
+/// Reads a list of points.
+pub fn read_points(path: &Path) -> Result<Vec<Probe>, LoadError> {
+    parse_points(&read_file(&DiskSource, path, MAX_FILE)?, path)
+}
+
+/// As [`read_points`], from bytes. `file` appears in messages only.
+pub fn parse_points(bytes: &[u8], file: &Path) -> Result<Vec<Probe>, LoadError> {
+    let document: Document = serde_json::from_slice(bytes).map_err(|e| {
+        let message = e.to_string();
+        // The place stands before the message already.
+        let message = message.split(" at line ").next().unwrap_or_default();
+        let err = LoadError::decode(file, "list of points in JSON", message);
+        if e.line() > 0 { err.at(e.line()) } else { err }
+    })?;
+    for (i, p) in document.probes.iter().enumerate() {
+        let expected =
+            |what| LoadError::unexpected(file, "a number beyond f32", what).field(format!("probe {}", i + 1));
+        // JSON has no infinity, but 1e999 is one when it is read.
+        if !p.position.iter().chain(&p.normal).all(|x| x.is_finite()) {
+            return Err(expected("a finite position and normal"));
+        }
+        if p.normal == [0.0; 3] {
+            let err = LoadError::unexpected(file, "a zero normal", "a direction");
+            return Err(err.field(format!("probe {}", i + 1)));
+        }
+    }
+    Ok(document.probes)
+}
+
+/// Writes a list of points, one a line. The same list gives the same bytes; numbers are the shortest that read
+/// back as the same f32. Refuses numbers that are not finite, for JSON has none.
+pub fn write_points(path: &Path, probes: &[Probe]) -> Result<(), SaveError> {
+    let mut text = String::from("{\"probes\": [\n");
+    for (i, p) in probes.iter().enumerate() {
+        let optional = p.irradiance.iter().chain(&p.stderr).flatten();
+        if !p.position.iter().chain(&p.normal).chain(optional).all(|x| x.is_finite()) {
+            return Err(SaveError::new(path, format!("probe {} holds a number that is not finite", i + 1)));
+        }
+        text += &serde_json::to_string(p).map_err(|e| SaveError::new(path, e))?;
+        text += if i + 1 < probes.len() { ",\n" } else { "\n" };
+    }
+    text += "]}\n";
+    write_whole(path, text.as_bytes())
+}

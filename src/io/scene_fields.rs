@@ -1,0 +1,336 @@
+//! The tables of a scene file, one function each.
+
+use std::path::Path;
+
+use etendue_core::scene::{
+    CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, Reflectance, ShapeDesc,
+    ShapeKind,
+};
+
+use super::error::{LoadError, Problem, quoted};
+use super::mesh::{Loader, MeshOptions, MtlMode};
+use super::scene::Names;
+use super::toml_view::Section;
+
+/// Larger images are refused, in either direction.
+const MAX_RESOLUTION: u32 = 65_536;
+
+/// What a `[[mesh]]` asks for.
+pub(crate) struct MeshRequest {
+    pub(crate) file: String,
+    pub(crate) line: usize,
+    pub(crate) options: MeshOptions,
+    pub(crate) transform: Option<[[f32; 4]; 3]>,
+    pub(crate) shading_normals: bool,
+    pub(crate) material: String,
+    pub(crate) interior: String,
+    pub(crate) exterior: String,
+}
+
+fn vector(section: &Section<'_>, key: &'static str) -> Result<[f32; 3], LoadError> {
+    let value = section.numbers::<3>(key)?;
+    Ok(section.required(value, key, "a list of 3 numbers")?.0)
+}
+
+fn vector_or(section: &Section<'_>, key: &'static str, default: [f32; 3]) -> Result<[f32; 3], LoadError> {
+    Ok(section.numbers::<3>(key)?.map_or(default, |v| v.0))
+}
+
+fn scalar(section: &Section<'_>, key: &'static str) -> Result<f32, LoadError> {
+    let value = section.number(key)?;
+    Ok(section.required(value, key, "a number")?.0)
+}
+
+fn scalar_or(section: &Section<'_>, key: &'static str, default: f32) -> Result<f32, LoadError> {
+    Ok(section.number(key)?.map_or(default, |v| v.0))
+}
+
+fn name_of(section: &Section<'_>) -> Result<(String, usize), LoadError> {
+    let name = section.text("name")?;
+    let (name, line) = section.required(name, "name", "a name in quotes")?;
+    if name.is_empty() {
+        return Err(section.error(line, "name", "an empty name", "at least one letter"));
+    }
+    Ok((name, line))
+}
+
+fn kind_of(section: &Section<'_>, kinds: &[&'static str]) -> Result<&'static str, LoadError> {
+    let kind = section.word("kind", kinds)?;
+    section.required(kind, "kind", &format!("one of {}", kinds.join(", ")))
+}
+
+pub(crate) fn camera(s: &Section<'_>, names: &Names) -> Result<CameraDesc, LoadError> {
+    let resolution = s.counts::<2>("resolution", 1..=MAX_RESOLUTION)?.unwrap_or([256, 256]);
+    let fov_x_deg = match (s.number("fov_x_deg")?, s.number("fov_y_deg")?) {
+        (Some((x, _)), None) => x,
+        (None, Some((y, line))) => {
+            // The conversion would turn some wrong angles into right ones.
+            if !(y > 0.0 && y < 180.0) {
+                return Err(s.error(line, "fov_y_deg", y.to_string(), "an angle between 0 and 180 degrees"));
+            }
+            let aspect = f64::from(resolution[0]) / f64::from(resolution[1]);
+            (2.0 * (aspect * (f64::from(y).to_radians() / 2.0).tan()).atan()).to_degrees() as f32
+        }
+        (Some(_), Some((_, line))) => {
+            return Err(s.error(line, "fov_y_deg", "both fov_x_deg and fov_y_deg", "one of them"));
+        }
+        (None, None) => return Err(s.error(s.line, "fov_x_deg", "no such field", "fov_x_deg or fov_y_deg")),
+    };
+    let lens_radius = scalar_or(s, "lens_radius", 0.0)?;
+    let focus_distance = s.number("focus_distance")?;
+    if lens_radius != 0.0 && focus_distance.is_none() {
+        return Err(s.error(
+            s.line,
+            "focus_distance",
+            "no such field",
+            "a distance, as there is a lens_radius",
+        ));
+    }
+    let camera = CameraDesc {
+        position: vector(s, "position")?,
+        look_at: vector(s, "look_at")?,
+        up: vector_or(s, "up", [0.0, 1.0, 0.0])?,
+        fov_x_deg,
+        resolution,
+        lens_radius,
+        focus_distance: focus_distance.map_or(0.0, |v| v.0),
+        medium: Names::reference(s, "medium", &names.media, "medium")?,
+    };
+    s.finish()?;
+    Ok(camera)
+}
+
+fn transform(s: &Section<'_>) -> Result<Option<[[f32; 4]; 3]>, LoadError> {
+    let translate = s.numbers::<3>("translate")?;
+    let scale = s.number("scale")?;
+    let matrix = s.numbers::<16>("matrix")?;
+    if let Some((m, line)) = matrix {
+        if translate.is_some() || scale.is_some() {
+            return Err(s.error(line, "matrix", "a matrix beside translate or scale", "one or the other"));
+        }
+        if m[12..] != [0.0, 0.0, 0.0, 1.0] {
+            let found = format!("the last row {:?}", &m[12..]);
+            return Err(s.error(line, "matrix", found, "[0, 0, 0, 1] (an affine transform, row by row)"));
+        }
+        let row = |i: usize| [m[4 * i], m[4 * i + 1], m[4 * i + 2], m[4 * i + 3]];
+        return Ok(Some([row(0), row(1), row(2)]));
+    }
+    if translate.is_none() && scale.is_none() {
+        return Ok(None);
+    }
+    let [x, y, z] = translate.map_or([0.0; 3], |v| v.0);
+    let k = scale.map_or(1.0, |v| v.0);
+    Ok(Some([[k, 0.0, 0.0, x], [0.0, k, 0.0, y], [0.0, 0.0, k, z]]))
+}
+
+pub(crate) fn mesh(s: &Section<'_>, names: &Names) -> Result<MeshRequest, LoadError> {
+    let file = s.text("file")?;
+    let (file, line) = s.required(file, "file", "the name of a mesh file")?;
+    let material = Names::reference(s, "material", &names.materials, "material")?;
+    let request = MeshRequest {
+        file,
+        line,
+        options: MeshOptions {
+            mtl: match s.word("mtl", &["diffuse", "full"])? {
+                Some("full") => MtlMode::Full,
+                _ => MtlMode::Diffuse,
+            },
+            textures: s.flag("textures")?.unwrap_or(true),
+            materials: material.is_empty(),
+        },
+        transform: transform(s)?,
+        shading_normals: s.word("normals", &["geometric", "shading"])? == Some("shading"),
+        material,
+        interior: Names::reference(s, "interior", &names.media, "medium")?,
+        exterior: Names::reference(s, "exterior", &names.media, "medium")?,
+    };
+    s.finish()?;
+    Ok(request)
+}
+
+pub(crate) fn shape(s: &Section<'_>, names: &Names) -> Result<ShapeDesc, LoadError> {
+    let kind = match kind_of(s, &["sphere", "disk", "rectangle", "box"])? {
+        "sphere" => ShapeKind::Sphere { center: vector(s, "center")?, radius: scalar(s, "radius")? },
+        "disk" => ShapeKind::Disk {
+            center: vector(s, "center")?,
+            normal: vector(s, "normal")?,
+            radius: scalar(s, "radius")?,
+        },
+        "rectangle" => {
+            ShapeKind::Rectangle { center: vector(s, "center")?, u: vector(s, "u")?, v: vector(s, "v")? }
+        }
+        _ => ShapeKind::Box { min: vector(s, "min")?, max: vector(s, "max")? },
+    };
+    let shape = ShapeDesc {
+        kind,
+        material: Names::reference(s, "material", &names.materials, "material")?,
+        interior: Names::reference(s, "interior", &names.media, "medium")?,
+        exterior: Names::reference(s, "exterior", &names.media, "medium")?,
+    };
+    s.finish()?;
+    Ok(shape)
+}
+
+pub(crate) fn light(s: &Section<'_>) -> Result<LightDesc, LoadError> {
+    let light = match kind_of(s, &["point", "spot", "directional", "environment"])? {
+        "point" => LightDesc::Point { position: vector(s, "position")?, intensity: vector(s, "intensity")? },
+        "spot" => {
+            let cone_deg = scalar(s, "cone_deg")?;
+            LightDesc::Spot {
+                position: vector(s, "position")?,
+                direction: vector(s, "direction")?,
+                intensity: vector(s, "intensity")?,
+                cone_deg,
+                falloff_deg: scalar_or(s, "falloff_deg", cone_deg)?,
+            }
+        }
+        "directional" => LightDesc::Directional {
+            direction: vector(s, "direction")?,
+            irradiance: vector(s, "irradiance")?,
+        },
+        _ => {
+            if let Some((_, line)) = s.text("file")? {
+                let mut err = s.error(line, "file", "", "");
+                err.problem = Problem::Unsupported("an environment from a file".into());
+                return Err(err);
+            }
+            // Turning an environment that is the same all round changes nothing.
+            scalar_or(s, "rotate_deg", 0.0)?;
+            LightDesc::Environment(EnvironmentDesc { radiance: vector(s, "radiance")? })
+        }
+    };
+    s.finish()?;
+    Ok(light)
+}
+
+const MATERIAL_KINDS: &[&str] = &[
+    "diffuse",
+    "mirror",
+    "conductor",
+    "phong",
+    "diffuse_phong",
+    "dielectric",
+    "thin_dielectric",
+    "thin_film",
+    "plastic",
+    "null",
+];
+
+/// `albedo`, `texture` or both, which multiply; or `checker`, which is not supported.
+fn albedo(
+    s: &Section<'_>,
+    loader: &mut Loader<'_>,
+    file: &Path,
+    default: Option<[f32; 3]>,
+) -> Result<Result<Reflectance, String>, LoadError> {
+    let color = s.numbers::<3>("albedo")?.map(|v| v.0);
+    let texture = s.text("texture")?;
+    if s.line_of("checker").is_some() {
+        return Ok(Err("checker".into()));
+    }
+    let texture = match texture {
+        Some((name, line)) => match loader.find(file, line, &name) {
+            Some(path) => Some(loader.texture(&path)?),
+            None => {
+                return Err(s.error(line, "texture", quoted(&name), "a PNG or JPEG beside the scene file"));
+            }
+        },
+        None => None,
+    };
+    let default = if texture.is_some() { Some([1.0; 3]) } else { default };
+    let color = s.required(color.or(default), "albedo", "albedo = [r, g, b], texture or checker")?;
+    Ok(Ok(Reflectance { color, texture: texture.unwrap_or_default() }))
+}
+
+/// The material and the line of its name.
+pub(crate) fn material(
+    s: &Section<'_>,
+    loader: &mut Loader<'_>,
+    file: &Path,
+) -> Result<(MaterialDesc, usize), LoadError> {
+    let (name, line) = name_of(s)?;
+    let kind = kind_of(s, MATERIAL_KINDS)?;
+    let unsupported = || MaterialKind::Unsupported(kind.to_owned());
+    let kind = match kind {
+        "diffuse" => match albedo(s, loader, file, None)? {
+            Ok(albedo) => MaterialKind::Diffuse { albedo },
+            Err(what) => MaterialKind::Unsupported(what),
+        },
+        "mirror" => MaterialKind::Mirror { albedo: Reflectance::flat(vector_or(s, "albedo", [1.0; 3])?) },
+        "phong" => MaterialKind::Phong { specular: vector(s, "specular")?, exponent: scalar(s, "exponent")? },
+        "diffuse_phong" => {
+            let (specular, exponent) = (vector(s, "specular")?, scalar(s, "exponent")?);
+            match albedo(s, loader, file, None)? {
+                Ok(albedo) => MaterialKind::DiffusePhong { albedo, specular, exponent },
+                Err(what) => MaterialKind::Unsupported(what),
+            }
+        }
+        "null" => MaterialKind::Null,
+        "thin_film" => {
+            vector_or(s, "reflect", [0.0; 3])?;
+            vector_or(s, "transmit", [0.0; 3])?;
+            s.flag("scatter")?;
+            unsupported()
+        }
+        "conductor" => {
+            s.one_or_three("eta")?;
+            s.one_or_three("k")?;
+            rough(s)?;
+            unsupported()
+        }
+        // dielectric, thin_dielectric, plastic
+        other => {
+            s.one_or_three("ior")?;
+            if other == "plastic" {
+                vector_or(s, "albedo", [0.5; 3])?;
+            }
+            rough(s)?;
+            unsupported()
+        }
+    };
+    let desc = MaterialDesc {
+        name,
+        kind,
+        two_sided: s.flag("two_sided")?.unwrap_or(true),
+        emission: vector_or(s, "emission", [0.0; 3])?,
+    };
+    s.finish()?;
+    Ok((desc, line))
+}
+
+/// The shape of the fields that rough interfaces share.
+fn rough(s: &Section<'_>) -> Result<(), LoadError> {
+    scalar_or(s, "roughness", 0.0)?;
+    scalar_or(s, "exponent", 0.0)?;
+    s.word("distribution", &["ggx", "beckmann"])?;
+    s.word("fresnel", &["exact", "schlick"])?;
+    Ok(())
+}
+
+/// The medium and the line of its name.
+pub(crate) fn medium(s: &Section<'_>) -> Result<(MediumDesc, usize), LoadError> {
+    let (name, line) = name_of(s)?;
+    let zero = [0.0; 3];
+    let mut unsupported = Vec::new();
+    for key in ["density", "albedo_grid"] {
+        if let Some((file, _)) = s.text(key)? {
+            unsupported.push(format!("{key} = {}", quoted(&file)));
+        }
+    }
+    if s.line_of("bounds").is_some() && unsupported.is_empty() {
+        unsupported.push("bounds".into());
+    }
+    if s.whole("priority")?.is_some_and(|p| p.0 != 0) {
+        unsupported.push("priority".into());
+    }
+    let desc = MediumDesc {
+        name,
+        sigma_a: vector_or(s, "sigma_a", zero)?,
+        sigma_s: vector_or(s, "sigma_s", zero)?,
+        g: scalar_or(s, "g", 0.0)?,
+        emission: vector_or(s, "emission", zero)?,
+        unsupported: unsupported.join(", "),
+    };
+    s.finish()?;
+    Ok((desc, line))
+}
