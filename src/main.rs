@@ -1,1 +1,5 @@
-fn main() {}
+//! The command `etendue`.
+
+fn main() -> std::process::ExitCode {
+    etendue::cli::main()
+}

@@ -1,10 +1,27 @@
-//! The scene: what a user writes ([`SceneDesc`]), what estimators read and what light transport it needs.
+//! The scene: what a user writes ([`SceneDesc`]), what estimators read ([`CompiledScene`]) and the
+//! list of light transport that it needs ([`SceneNeeds`]).
+//!
+//! Data flows one way: `SceneDesc -> compile() -> CompiledScene`. Compilation validates everything once, so
+//! that no inner loop has to: a compiled scene holds finite numbers, resolved indices and energy-conserving
+//! materials only.
 
+mod bitmap;
+mod compile;
+mod compiled;
 mod desc;
 mod error;
+mod lights;
+mod needs;
 
+pub use bitmap::{SRGB_CODES, sample_bitmap, srgb_to_linear};
+pub use compile::compile;
+pub use compiled::{
+    CompiledScene, LightKind, LightRecord, MaterialRecord, MediumRecord, NO_INDEX, TextureRecord,
+    TriangleRecord, material_flags,
+};
 pub use desc::{
     CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, MeshDesc, Reflectance,
     SceneDesc, ShapeDesc, ShapeKind, TextureDesc, Wrap,
 };
 pub use error::{Cleanup, CompileReport, SceneError};
+pub use needs::SceneNeeds;

@@ -1,0 +1,107 @@
+//! A scene with its tree, and the jobs on it.
+
+use crate::schedule::{image_chunks, run_blocks, single_chunks};
+use crate::tree::Tree;
+use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session};
+use etendue_core::film::{Film, FilmError, FilmSettings};
+use etendue_core::scene::CompiledScene;
+use etendue_core::transport::{TransportCode, resolve_probe};
+use etendue_core::with_path_tracer;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A scene opened on the CPU.
+#[derive(Debug)]
+pub struct CpuSession {
+    pool: Arc<rayon::ThreadPool>,
+    scene: Arc<CompiledScene>,
+    tree: Tree,
+    preparation: Vec<(&'static str, f64)>,
+    code: TransportCode,
+}
+
+impl CpuSession {
+    pub(crate) fn new(pool: Arc<rayon::ThreadPool>, scene: Arc<CompiledScene>) -> Result<Self, BackendError> {
+        let start = Instant::now();
+        let tree = Tree::build(&scene.primitives());
+        let preparation = vec![("tree", start.elapsed().as_secs_f64())];
+        let code = TransportCode::of(&scene.needs);
+        Ok(Self { pool, scene, tree, preparation, code })
+    }
+
+    /// The tree, for hosts that trace rays of their own.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// Overrides the choice of code by [`TransportCode::of`]: to measure what a scene saves by it. The results are
+    /// the same for any code that covers the scene.
+    pub fn with_code(mut self, code: TransportCode) -> Self {
+        self.code = code;
+        self
+    }
+
+    fn check(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
+        job.check()?;
+        if let Some(missing) = self.scene.needs.beyond_surfaces() {
+            return Err(BackendError::SceneNeeds { method: "path", missing });
+        }
+        if film.settings() != expected {
+            let error = FilmError::DifferentSettings { ours: *film.settings(), theirs: *expected };
+            return Err(error.into());
+        }
+        Ok(())
+    }
+}
+
+impl Session for CpuSession {
+    fn scene(&self) -> &CompiledScene {
+        &self.scene
+    }
+
+    fn preparation(&self) -> &[(&'static str, f64)] {
+        &self.preparation
+    }
+
+    fn path_image(
+        &self,
+        job: &PathJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.check(job, film, &expected)?;
+        let chunks = image_chunks(expected.width, expected.height);
+        let width = expected.width;
+        with_path_tracer!(self.code, &self.scene, job.max_depth, |tracer| {
+            let mean = |element: u32, block: u32| {
+                let pixel = [element % width, element / width];
+                tracer.pixel_block(&self.tree, pixel, job.seed, block, job.block_length)
+            };
+            run_blocks(&self.pool, job, &chunks, mean, control, film)
+        })
+    }
+
+    fn path_probes(
+        &self,
+        job: &PathJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, job, probes.len());
+        self.check(job, film, &expected)?;
+        let points: Vec<_> = backend::check_probes(probes)?
+            .into_iter()
+            .map(|(p, n)| (resolve_probe(&self.scene, &self.tree, p, n), n))
+            .collect();
+        let chunks = single_chunks(points.len());
+        with_path_tracer!(self.code, &self.scene, job.max_depth, |tracer| {
+            let mean = |element: u32, block: u32| {
+                let (point, normal) = points[element as usize];
+                tracer.probe_block(&self.tree, (element, point, normal), job.seed, block, job.block_length)
+            };
+            run_blocks(&self.pool, job, &chunks, mean, control, film)
+        })
+    }
+}

@@ -1,0 +1,149 @@
+//! The reference backend: core alone, one thread, nothing clever. It makes the goldens; all others are compared to it.
+
+use etendue_core::backend::{
+    self, Backend, BackendError, BackendInfo, Capabilities, Control, JobStats, PathJob, Probe, Session,
+};
+use etendue_core::film::{Film, FilmError, FilmSettings};
+use etendue_core::geometry::Bvh2;
+use etendue_core::kernel::{self, Kernel};
+use etendue_core::scene::CompiledScene;
+use etendue_core::transport::{TransportCode, resolve_probe};
+use etendue_core::with_path_tracer;
+use std::sync::Arc;
+
+/// Core's functions in plain loops.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReferenceBackend;
+
+impl Backend for ReferenceBackend {
+    fn info(&self) -> BackendInfo {
+        BackendInfo { name: "reference", adapter: "1 thread".to_string(), version: env!("CARGO_PKG_VERSION") }
+    }
+
+    fn capabilities(&self) -> Capabilities {
+        Capabilities { path: true, kernels: true }
+    }
+
+    fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {
+        Ok(Box::new(ReferenceSession { scene }))
+    }
+
+    fn map(
+        &self,
+        kernel: Kernel,
+        constants: &[u32],
+        items: &[u32],
+        out: &mut [u32],
+    ) -> Result<(), BackendError> {
+        kernel::evaluate(kernel, constants, items, out)
+    }
+}
+
+/// A scene in plain loops.
+#[derive(Debug)]
+pub struct ReferenceSession {
+    scene: Arc<CompiledScene>,
+}
+
+/// What every session checks before a job.
+///
+/// # Errors
+/// As [`Session::path_image`].
+pub fn check_job(
+    scene: &CompiledScene,
+    job: &PathJob,
+    film: &Film,
+    expected: &FilmSettings,
+) -> Result<(), BackendError> {
+    job.check()?;
+    if let Some(missing) = scene.needs.beyond_surfaces() {
+        return Err(BackendError::SceneNeeds { method: "path", missing });
+    }
+    if film.settings() != expected {
+        return Err(FilmError::DifferentSettings { ours: *film.settings(), theirs: *expected }.into());
+    }
+    Ok(())
+}
+
+/// Computes the blocks of a job one after the other and adds them at the end.
+///
+/// `mean(element, block)` is the mean of one block of samples and the rays that it took.
+///
+/// # Errors
+/// When the control cancels or the film does not fit.
+pub fn serial_blocks(
+    job: &PathJob,
+    control: &dyn Control,
+    film: &mut Film,
+    mut mean: impl FnMut(u32, u32) -> ([f64; 3], u64),
+) -> Result<JobStats, BackendError> {
+    let elements = film.len() as u32;
+    let mut part = Film::new(*film.settings());
+    let mut stats = JobStats::default();
+    let total = u64::from(job.blocks.end - job.blocks.start);
+    for block in job.blocks.clone() {
+        let mut means = Vec::with_capacity(elements as usize);
+        for element in 0..elements {
+            let (m, rays) = mean(element, block);
+            means.push(m);
+            stats += JobStats { rays, paths: u64::from(job.block_length) };
+        }
+        part.add_blocks(block..block + 1, &means)?;
+        if control.advance(u64::from(block - job.blocks.start) + 1, total).is_break() {
+            return Err(BackendError::Cancelled);
+        }
+    }
+    film.merge(&part)?;
+    Ok(stats)
+}
+
+impl Session for ReferenceSession {
+    fn scene(&self) -> &CompiledScene {
+        &self.scene
+    }
+
+    fn preparation(&self) -> &[(&'static str, f64)] {
+        &[]
+    }
+
+    fn path_image(
+        &self,
+        job: &PathJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        check_job(&self.scene, job, film, &expected)?;
+        let tree = Bvh2::new(self.scene.primitives());
+        let code = TransportCode::of(&self.scene.needs);
+        with_path_tracer!(code, &self.scene, job.max_depth, |tracer| {
+            serial_blocks(job, control, film, |element, block| {
+                let pixel = [element % expected.width, element / expected.width];
+                tracer.pixel_block(&tree, pixel, job.seed, block, job.block_length)
+            })
+        })
+    }
+
+    fn path_probes(
+        &self,
+        job: &PathJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, job, probes.len());
+        check_job(&self.scene, job, film, &expected)?;
+        let tree = Bvh2::new(self.scene.primitives());
+        let points: Vec<_> = backend::check_probes(probes)?
+            .into_iter()
+            .map(|(p, n)| (resolve_probe(&self.scene, &tree, p, n), n))
+            .collect();
+        let code = TransportCode::of(&self.scene.needs);
+        with_path_tracer!(code, &self.scene, job.max_depth, |tracer| {
+            serial_blocks(job, control, film, |element, block| {
+                let (point, normal) = points[element as usize];
+                tracer.probe_block(&tree, (element, point, normal), job.seed, block, job.block_length)
+            })
+        })
+    }
+}

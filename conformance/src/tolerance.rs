@@ -1,0 +1,111 @@
+//! What is allowed, per kernel and basis: the one table. Tests carry no literals of their own.
+
+use etendue_core::kernel::Kernel;
+
+/// A limit with its reason.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// Largest error allowed, in the tolerance's unit.
+    pub limit: f64,
+    /// Why it is not zero; for zero, why it can be.
+    pub reason: &'static str,
+}
+
+/// What one kernel may differ by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// `ulp`, `u` (2^-24 of a scale) or `bits`.
+    pub unit: &'static str,
+    /// Against the truth (f64 or closed form), for the scalar reference's own arithmetic.
+    pub truth: Bound,
+    /// Against the scalar reference, where the adapter rounds otherwise than IEEE 754 (where it does not, it is zero).
+    pub peer: Bound,
+}
+
+impl Tolerance {
+    /// Nothing may differ on any backend.
+    pub fn is_exact(&self) -> bool {
+        self.truth.limit == 0.0 && self.peer.limit == 0.0
+    }
+}
+
+const INTEGER: &str = "integer stage: exact";
+const WGSL: &str = "WGSL lets division and sqrt err by 2.5 ulp and products fuse; not yet measured on hardware";
+
+const fn exact() -> Tolerance {
+    let bound = Bound { limit: 0.0, reason: INTEGER };
+    Tolerance { unit: "bits", truth: bound, peer: bound }
+}
+
+const fn float(unit: &'static str, limit: f64, reason: &'static str) -> Tolerance {
+    // Each of a kernel's few roundings may become 2.5 on hardware, on both sides.
+    let peer = Bound { limit: 8.0 + 5.0 * limit, reason: WGSL };
+    Tolerance { unit, truth: Bound { limit, reason }, peer }
+}
+
+/// The entry of a kernel.
+pub fn tolerance(kernel: Kernel) -> Tolerance {
+    use Kernel as K;
+    const POLYNOMIAL: &str = "polynomial in f32; see core::math::ACCURACY";
+    const ROUNDING: &str = "roundings of the formula";
+    const ANGLE: &str = "sine and cosine of the azimuth, square root of the height";
+    const CONDITION: &str = "roundings, in units of what the input's own rounding amounts to";
+    const PI_ROUNDED: &str = "pi rounded to f32, then one or two roundings";
+    match kernel {
+        K::U32ToUnit | K::CounterBits4 | K::SobolBits4 | K::SobolSet | K::CdfPick | K::CdfPmf => exact(),
+        K::Sqrt => float("ulp", 0.5, "correctly rounded"),
+        K::Ln => float("ulp", 0.80, POLYNOMIAL),
+        K::Log2 => float("ulp", 0.72, POLYNOMIAL),
+        K::Exp => float("ulp", 0.87, POLYNOMIAL),
+        K::Exp2 => float("ulp", 0.85, POLYNOMIAL),
+        K::Pow => float("ulp", 0.90, POLYNOMIAL),
+        K::SinCos => float("ulp", 0.90, POLYNOMIAL),
+        K::Acos => float("ulp", 1.06, POLYNOMIAL),
+        K::Asin => float("ulp", 1.07, POLYNOMIAL),
+        K::Atan2 => float("ulp", 1.48, POLYNOMIAL),
+        K::Cbrt => float("ulp", 0.53, POLYNOMIAL),
+        K::NormalizeOr => float("ulp", 3.0, ROUNDING),
+        K::OrthonormalBasis => float("u", 4.0, ROUNDING),
+        K::SampleSphere | K::SampleHemisphere | K::SampleCosineHemisphere | K::SampleDisk | K::SampleCone => {
+            float("u", 3.0, ANGLE)
+        }
+        K::SamplePowerCosine => float("u", 3.0, "logarithm, exponential and azimuth"),
+        K::SampleTriangle => float("ulp", 0.5, "exact for multiples of 2^-24 but where a half of one is subtracted"),
+        K::SampleParallelogram => float("u", 2.0, ROUNDING),
+        K::PdfSphere | K::PdfHemisphere | K::PdfCosineHemisphere | K::PdfCone | K::PdfDisk => {
+            float("ulp", 1.5, PI_ROUNDED)
+        }
+        K::PdfPowerCosine => float("u", 6.0, CONDITION),
+        K::PdfTriangle | K::PdfParallelogram => float("u", 6.0, "cross product, length and quotient, over the sine"),
+        K::InvertSphere | K::InvertHemisphere | K::InvertCosineHemisphere | K::InvertDisk | K::InvertTriangle => {
+            float("u", 4.0, "arctangent and rounding of the vector's length")
+        }
+        K::InvertCone => float("u", 5.0, "arctangent and rounding of the vector's length"),
+        K::InvertPowerCosine => float("u", 4.0, CONDITION),
+        K::InvertParallelogram => float("u", 4.0, CONDITION),
+        K::Triangle => float("u", 10.0, CONDITION),
+        K::Slab => float("u", 12.0, "reciprocal and the conservative margin of 3 eps"),
+        K::RoundShape => float("u", 10.0, CONDITION),
+        K::OffsetOrigin => float("u", 2.0, ROUNDING),
+        K::EvalDiffuse => float("ulp", 1.5, PI_ROUNDED),
+        K::PdfDiffuse => float("u", 2.0, "dot product of rounded vectors"),
+        K::SampleDiffuse => float("u", 4.0, ANGLE),
+        K::EvalPhong | K::PdfPhong => float("u", 16.0, CONDITION),
+        K::SamplePhong => float("u", 10.0, "logarithm, exponential, azimuth and frame"),
+        K::EvalLobes | K::PdfLobes => float("u", 16.0, CONDITION),
+        K::SampleLobes => float("u", 16.0, CONDITION),
+        K::SampleLight => float("u", 16.0, CONDITION),
+        K::PdfLight => float("u", 6.0, CONDITION),
+        K::PowerHeuristic => float("u", 2.0, ROUNDING),
+        K::CameraRay => float("u", 3.0, ROUNDING),
+        K::ToneDisplay => float("u", 8.0, "power function; absolute 5e-7 as core::tone states"),
+        K::SrgbDecode => float("ulp", 8.0, "power of a rounded base: 2.4 roundings and those of the quotient"),
+        K::SampleBitmap => float("u", 3.0, CONDITION),
+        // A kernel without an entry allows nothing and says so: the coverage test fails on it.
+        _ => Tolerance {
+            unit: "bits",
+            truth: Bound { limit: 0.0, reason: "" },
+            peer: Bound { limit: 0.0, reason: "" },
+        },
+    }
+}

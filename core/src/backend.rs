@@ -1,0 +1,309 @@
+//! The boundary to backends: whole jobs over slices, nothing virtual per ray.
+//!
+//! A [`Backend`] opens a compiled scene as a [`Session`]; a session runs jobs. Every job names its range of sample
+//! blocks, so that a job can be split anywhere and its films merged in any order to the same bits. Backends also
+//! evaluate single numeric kernels over batches ([`Backend::map`]): the door through which the conformance suite
+//! reaches their math.
+
+use crate::film::{Film, FilmError, FilmSettings, scale_exponent};
+use crate::kernel::Kernel;
+use crate::math::Vec3;
+use crate::scene::CompiledScene;
+use alloc::boxed::Box;
+use alloc::string::String;
+use alloc::sync::Arc;
+use core::fmt;
+use core::ops::{ControlFlow, Range};
+
+/// Who computes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BackendInfo {
+    /// `cpu`, `wgpu`, ...
+    pub name: &'static str,
+    /// The device, in words.
+    pub adapter: String,
+    /// Version of the backend's package.
+    pub version: &'static str,
+}
+
+/// What a backend can do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Capabilities {
+    /// Path-traced images and probes.
+    pub path: bool,
+    /// [`Backend::map`] for every [`Kernel`].
+    pub kernels: bool,
+}
+
+/// Why a backend did not do a job.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum BackendError {
+    /// The backend cannot do this at all.
+    Unsupported {
+        /// Which backend.
+        backend: &'static str,
+        /// What was asked, in words.
+        what: String,
+    },
+    /// The scene needs transport that the method lacks.
+    SceneNeeds {
+        /// The method.
+        method: &'static str,
+        /// What is missing, in words.
+        missing: String,
+    },
+    /// An image was asked for and the scene has no camera.
+    NoCamera,
+    /// No device.
+    NoAdapter {
+        /// What was looked for.
+        wanted: String,
+    },
+    /// The device has too little of something.
+    LimitExceeded {
+        /// The resource.
+        what: &'static str,
+        /// How much was needed.
+        asked: u64,
+        /// How much there is.
+        allowed: u64,
+    },
+    /// A probe is not usable.
+    BadProbe {
+        /// Its index.
+        index: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A job's numbers make no sense.
+    BadJob {
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// Slices passed to [`Backend::map`] do not fit the kernel.
+    WrongLength {
+        /// The kernel's name.
+        kernel: &'static str,
+        /// `constants`, `items` or `out`.
+        slice: &'static str,
+        /// Words found.
+        found: usize,
+        /// Words expected.
+        expected: usize,
+    },
+    /// The film does not belong to the job.
+    Film(FilmError),
+    /// The control stopped the job; the film holds nothing of it.
+    Cancelled,
+}
+
+impl fmt::Display for BackendError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unsupported { backend, what } => write!(f, "the {backend} backend does not support {what}"),
+            Self::SceneNeeds { method, missing } => {
+                write!(f, "the scene needs {missing}, which method `{method}` of this version does not carry")
+            }
+            Self::NoCamera => write!(f, "the scene has no [camera], and an image needs one"),
+            Self::NoAdapter { wanted } => write!(f, "no adapter found: {wanted}"),
+            Self::LimitExceeded { what, asked, allowed } => {
+                write!(f, "the job needs {asked} {what}, but only {allowed} are there")
+            }
+            Self::BadProbe { index, reason } => write!(f, "probe {index}: {reason}"),
+            Self::BadJob { reason } => write!(f, "job: {reason}"),
+            Self::WrongLength { kernel, slice, found, expected } => {
+                write!(f, "kernel {kernel}: {slice} has {found} words, expected {expected}")
+            }
+            Self::Film(e) => e.fmt(f),
+            Self::Cancelled => write!(f, "cancelled"),
+        }
+    }
+}
+
+impl core::error::Error for BackendError {}
+
+impl From<FilmError> for BackendError {
+    fn from(e: FilmError) -> Self {
+        Self::Film(e)
+    }
+}
+
+/// Something that computes.
+pub trait Backend: Send + Sync {
+    /// Who this is.
+    fn info(&self) -> BackendInfo;
+
+    /// What it can do.
+    fn capabilities(&self) -> Capabilities;
+
+    /// Makes a scene ready for jobs (builds trees, uploads buffers).
+    ///
+    /// # Errors
+    /// When the backend or its device cannot hold the scene.
+    fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError>;
+
+    /// Evaluates one kernel over a batch: item i reads `items[i * n ..][.. n]` and writes `out[i * m ..][.. m]`, the
+    /// word counts n and m being the kernel's own ([`Kernel::shape`]).
+    ///
+    /// # Errors
+    /// When a slice has the wrong length or the backend has no such kernel.
+    fn map(
+        &self,
+        kernel: Kernel,
+        constants: &[u32],
+        items: &[u32],
+        out: &mut [u32],
+    ) -> Result<(), BackendError>;
+}
+
+/// Progress out, cancellation in. Called from worker threads, a few hundred times a second at most.
+pub trait Control: Sync {
+    /// `done` of `total` units of the running job are finished. `Break` cancels it.
+    fn advance(&self, done: u64, total: u64) -> ControlFlow<()>;
+}
+
+/// Neither watches nor cancels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoControl;
+
+impl Control for NoControl {
+    fn advance(&self, _done: u64, _total: u64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// What a job cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct JobStats {
+    /// Rays traced, of all kinds.
+    pub rays: u64,
+    /// Paths started.
+    pub paths: u64,
+}
+
+impl core::ops::AddAssign for JobStats {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.paths += other.paths;
+    }
+}
+
+/// Settings shared by path-traced jobs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PathJob {
+    /// Seed of all samples.
+    pub seed: u64,
+    /// Samples per block; a power of two. Part of the job: other lengths give other bits.
+    pub block_length: u32,
+    /// The sample blocks to compute.
+    pub blocks: Range<u32>,
+    /// Largest number of edges of a path, as Mitsuba counts them (1: emission seen directly, 2: direct light);
+    /// `u32::MAX` for no limit.
+    pub max_depth: u32,
+}
+
+impl PathJob {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A block length that is no power of two or above 2^16, or an empty or reversed range of blocks.
+    pub fn check(&self) -> Result<(), BackendError> {
+        if !self.block_length.is_power_of_two() || self.block_length > 1 << 16 {
+            return Err(BackendError::BadJob { reason: "block_length must be a power of two up to 65536" });
+        }
+        if self.blocks.start > self.blocks.end {
+            return Err(BackendError::BadJob { reason: "the range of blocks runs backwards" });
+        }
+        Ok(())
+    }
+}
+
+/// A point on a surface where irradiance is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe {
+    /// Position \[m\].
+    pub position: [f32; 3],
+    /// Normal of the receiving side, any length but zero.
+    pub normal: [f32; 3],
+}
+
+/// A scene that is ready for jobs.
+pub trait Session: Send + Sync {
+    /// The scene.
+    fn scene(&self) -> &CompiledScene;
+
+    /// Seconds that opening took, by stage (name, seconds).
+    fn preparation(&self) -> &[(&'static str, f64)];
+
+    /// Path-traces an image into `film` (of [`image_film_settings`]). On an error the film is unchanged.
+    ///
+    /// # Errors
+    /// When the scene needs more than surfaces, has no camera, the film does not fit, or the control cancels.
+    fn path_image(
+        &self,
+        job: &PathJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError>;
+
+    /// Path-traces the irradiance at probes into `film` (of [`probe_film_settings`]). On an error the film is unchanged.
+    ///
+    /// # Errors
+    /// As for images; also when a probe is not finite or has no normal.
+    fn path_probes(
+        &self,
+        job: &PathJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError>;
+}
+
+/// The largest radiance, intensity or irradiance that a scene's lights state.
+fn brightest(scene: &CompiledScene) -> f32 {
+    scene.lights.iter().flat_map(|l| l.radiance).chain(scene.environment).fold(0.0_f32, |m, x| m.max(x))
+}
+
+/// Settings of the film of an image job on this scene.
+///
+/// # Errors
+/// When the scene has no camera.
+pub fn image_film_settings(scene: &CompiledScene, job: &PathJob) -> Result<FilmSettings, BackendError> {
+    let camera = scene.camera.as_ref().ok_or(BackendError::NoCamera)?;
+    Ok(film_settings(scene, job, camera.width, camera.height))
+}
+
+/// Settings of the film of a probe job on this scene: one row of probes.
+pub fn probe_film_settings(scene: &CompiledScene, job: &PathJob, probes: usize) -> FilmSettings {
+    film_settings(scene, job, probes.min(u32::MAX as usize) as u32, 1)
+}
+
+fn film_settings(scene: &CompiledScene, job: &PathJob, width: u32, height: u32) -> FilmSettings {
+    FilmSettings {
+        width,
+        height,
+        seed: job.seed,
+        block_length: job.block_length,
+        scale_exponent: scale_exponent(brightest(scene)),
+    }
+}
+
+/// Checks probes before a job and returns them with unit normals.
+///
+/// # Errors
+/// The first probe that is not finite or has no normal.
+pub fn check_probes(probes: &[Probe]) -> Result<alloc::vec::Vec<(Vec3, Vec3)>, BackendError> {
+    let mut out = alloc::vec::Vec::with_capacity(probes.len());
+    for (index, p) in probes.iter().enumerate() {
+        if p.position.iter().chain(&p.normal).any(|x| !x.is_finite()) {
+            return Err(BackendError::BadProbe { index, reason: "position and normal must be finite" });
+        }
+        let n = crate::math::normalize_or(Vec3::from_array(p.normal), Vec3::ZERO);
+        if n == Vec3::ZERO {
+            return Err(BackendError::BadProbe { index, reason: "the normal must not be zero" });
+        }
+        out.push((Vec3::from_array(p.position), n));
+    }
+    Ok(out)
+}

@@ -1,0 +1,224 @@
+//! Named numeric kernels: the door through which the conformance suite reaches a backend's math.
+//!
+//! A kernel is a pure function from a few words per batch (the constants) and a few words per item to a few words per
+//! item. Words are u32; floats travel as their bits, `vec3` is three words, a flag is 0 or 1. Where a kernel gives
+//! "nothing" (a ray that misses, a light that sends nothing) the flag is 0 and so are the other words.
+//! [`evaluate`] is the scalar reference: it calls core's own functions and adds nothing to them.
+
+mod evaluate;
+
+use crate::backend::BackendError;
+
+pub use evaluate::evaluate;
+
+/// How many words a kernel takes and gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KernelShape {
+    /// Words shared by the batch: exactly so many, or at least so many where `open` is set.
+    pub constants: usize,
+    /// The constants end with a table of any length (a cumulative distribution, texels).
+    pub open: bool,
+    /// Words per item.
+    pub item: usize,
+    /// Words per result.
+    pub out: usize,
+}
+
+const fn exact(constants: usize, item: usize, out: usize) -> KernelShape {
+    KernelShape { constants, open: false, item, out }
+}
+
+const fn table(constants: usize, item: usize, out: usize) -> KernelShape {
+    KernelShape { constants, open: true, item, out }
+}
+
+macro_rules! kernels {
+    ($($(#[$doc:meta])* $variant:ident = $name:literal, $shape:expr;)*) => {
+        /// The kernels. Each variant's doc names its words: constants | item -> out.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[non_exhaustive]
+        pub enum Kernel {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl Kernel {
+            /// Every kernel.
+            pub const ALL: &'static [Kernel] = &[$(Kernel::$variant),*];
+
+            /// Name `module::function`, stable across versions.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Kernel::$variant => $name,)*
+                }
+            }
+
+            /// Word counts.
+            pub fn shape(self) -> KernelShape {
+                match self {
+                    $(Kernel::$variant => $shape,)*
+                }
+            }
+        }
+    };
+}
+
+kernels! {
+    /// x -> ln x.
+    Ln = "math::ln", exact(0, 1, 1);
+    /// x -> log2 x.
+    Log2 = "math::log2", exact(0, 1, 1);
+    /// x -> e^x.
+    Exp = "math::exp", exact(0, 1, 1);
+    /// x -> 2^x.
+    Exp2 = "math::exp2", exact(0, 1, 1);
+    /// x, y -> x^y.
+    Pow = "math::pow", exact(0, 2, 1);
+    /// x -> sin x, cos x.
+    SinCos = "math::sin_cos", exact(0, 1, 2);
+    /// x -> acos x.
+    Acos = "math::acos", exact(0, 1, 1);
+    /// x -> asin x.
+    Asin = "math::asin", exact(0, 1, 1);
+    /// y, x -> the angle of (x, y).
+    Atan2 = "math::atan2", exact(0, 2, 1);
+    /// x -> cube root of x.
+    Cbrt = "math::cbrt", exact(0, 1, 1);
+    /// x -> square root of x.
+    Sqrt = "math::sqrt", exact(0, 1, 1);
+    /// v (vec3), fallback (vec3) -> v / |v| (vec3).
+    NormalizeOr = "math::normalize_or", exact(0, 6, 3);
+    /// unit n (vec3) -> t (vec3), b (vec3).
+    OrthonormalBasis = "math::orthonormal_basis", exact(0, 3, 6);
+
+    /// word -> unit number.
+    U32ToUnit = "sampling::u32_to_unit", exact(0, 1, 1);
+    /// seed low, seed high | stream, sample, group -> four words.
+    CounterBits4 = "counter::bits4", exact(2, 3, 4);
+    /// seed low, seed high | stream, block, index, group -> four words.
+    SobolBits4 = "sobol::bits4", exact(2, 4, 4);
+    /// seed low, seed high | index, dimension -> word.
+    SobolSet = "sobol::set_dimension", exact(2, 2, 1);
+    /// cumulative counts (at least one word) | word -> index, pmf, remainder.
+    CdfPick = "discrete::pick_in", table(1, 1, 3);
+    /// cumulative counts (at least one word) | index -> pmf.
+    CdfPmf = "discrete::pmf_in", table(1, 1, 1);
+
+    /// u (2) -> w (vec3).
+    SampleSphere = "warp::sample_sphere", exact(0, 2, 3);
+    /// w (vec3) -> density.
+    PdfSphere = "warp::pdf_solid_angle_sphere", exact(0, 3, 1);
+    /// w (vec3) -> u (2).
+    InvertSphere = "warp::invert_sphere", exact(0, 3, 2);
+    /// u (2) -> w (vec3).
+    SampleHemisphere = "warp::sample_hemisphere", exact(0, 2, 3);
+    /// w (vec3) -> density.
+    PdfHemisphere = "warp::pdf_solid_angle_hemisphere", exact(0, 3, 1);
+    /// w (vec3) -> u (2).
+    InvertHemisphere = "warp::invert_hemisphere", exact(0, 3, 2);
+    /// u (2) -> w (vec3).
+    SampleCosineHemisphere = "warp::sample_cosine_hemisphere", exact(0, 2, 3);
+    /// w (vec3) -> density.
+    PdfCosineHemisphere = "warp::pdf_solid_angle_cosine_hemisphere", exact(0, 3, 1);
+    /// w (vec3) -> u (2).
+    InvertCosineHemisphere = "warp::invert_cosine_hemisphere", exact(0, 3, 2);
+    /// u (2), 1 - cos of the half-angle -> w (vec3).
+    SampleCone = "warp::sample_cone", exact(0, 3, 3);
+    /// w (vec3), 1 - cos of the half-angle -> density.
+    PdfCone = "warp::pdf_solid_angle_cone", exact(0, 4, 1);
+    /// w (vec3), 1 - cos of the half-angle -> u (2).
+    InvertCone = "warp::invert_cone", exact(0, 4, 2);
+    /// u (2), exponent -> w (vec3).
+    SamplePowerCosine = "warp::sample_power_cosine", exact(0, 3, 3);
+    /// w (vec3), exponent -> density.
+    PdfPowerCosine = "warp::pdf_solid_angle_power_cosine", exact(0, 4, 1);
+    /// w (vec3), exponent -> u (2).
+    InvertPowerCosine = "warp::invert_power_cosine", exact(0, 4, 2);
+    /// u (2) -> point (2).
+    SampleDisk = "warp::sample_disk", exact(0, 2, 2);
+    /// point (2) -> density.
+    PdfDisk = "warp::pdf_area_disk", exact(0, 2, 1);
+    /// point (2) -> u (2).
+    InvertDisk = "warp::invert_disk", exact(0, 2, 2);
+    /// u (2) -> barycentrics (3).
+    SampleTriangle = "warp::sample_triangle", exact(0, 2, 3);
+    /// edge (vec3), edge (vec3) -> density.
+    PdfTriangle = "warp::pdf_area_triangle", exact(0, 6, 1);
+    /// barycentrics (3) -> u (2).
+    InvertTriangle = "warp::invert_triangle", exact(0, 3, 2);
+    /// origin, edge, edge (vec3 each) | u (2) -> point (vec3).
+    SampleParallelogram = "warp::sample_parallelogram", exact(9, 2, 3);
+    /// edge (vec3), edge (vec3) -> density.
+    PdfParallelogram = "warp::pdf_area_parallelogram", exact(0, 6, 1);
+    /// origin, edge, edge (vec3 each) | point (vec3) -> u (2).
+    InvertParallelogram = "warp::invert_parallelogram", exact(9, 3, 2);
+
+    /// origin, direction, t_max, three vertices (16 words) -> flag, t, b1, b2.
+    Triangle = "geometry::intersect_triangle", exact(0, 16, 4);
+    /// origin, direction, t_max, low corner, high corner (13 words) -> flag, entry.
+    Slab = "geometry::slab_entry", exact(0, 13, 2);
+    /// origin, direction, t_max, `RoundShape` (15 words) -> flag, t.
+    RoundShape = "geometry::intersect_shape", exact(0, 15, 2);
+    /// position (vec3), extent, unit normal (vec3), toward (vec3) -> origin (vec3).
+    OffsetOrigin = "geometry::offset_origin", exact(0, 10, 3);
+
+    /// albedo, n, wi (vec3 each) -> f (vec3).
+    EvalDiffuse = "diffuse::eval", exact(0, 9, 3);
+    /// n, wi (vec3 each) -> density.
+    PdfDiffuse = "diffuse::pdf_solid_angle", exact(0, 6, 1);
+    /// n (vec3), u (2) -> wi (vec3).
+    SampleDiffuse = "diffuse::sample", exact(0, 5, 3);
+    /// specular (vec3), exponent, n, wo, wi (vec3 each) -> f (vec3).
+    EvalPhong = "phong::eval", exact(0, 13, 3);
+    /// exponent, n, wo, wi (vec3 each) -> density.
+    PdfPhong = "phong::pdf_solid_angle", exact(0, 10, 1);
+    /// exponent, n, wo (vec3 each), u (2) -> wi (vec3).
+    SamplePhong = "phong::sample", exact(0, 9, 3);
+    /// albedo, specular (vec3 each), exponent, mirror flag, n, wo, wi (vec3 each) -> f (vec3).
+    EvalLobes = "lobes::eval", exact(0, 17, 3);
+    /// albedo, specular (vec3 each), exponent, mirror flag, n, wo, wi (vec3 each) -> density.
+    PdfLobes = "lobes::pdf_solid_angle", exact(0, 17, 1);
+    /// albedo, specular (vec3 each), exponent, mirror flag, n, wo (vec3 each), u (2), lobe -> flag, wi, weight (vec3
+    /// each), density.
+    SampleLobes = "lobes::sample", exact(0, 17, 8);
+
+    /// `LightRecord` (24 words) | p (vec3), u (2) -> flag, wi, contribution (vec3 each), density, point, normal (vec3
+    /// each), extent, distant flag.
+    SampleLight = "light::sample", exact(24, 5, 16);
+    /// `LightRecord` (24 words) | p, wi (vec3 each), distance, normal (vec3) -> density.
+    PdfLight = "light::pdf_solid_angle", exact(24, 10, 1);
+    /// a, b -> weight.
+    PowerHeuristic = "mis::power_heuristic", exact(0, 2, 1);
+    /// `Camera` (16 words) | x, y, u (2), lens (2) -> origin, direction (vec3 each).
+    CameraRay = "camera::sample_ray", exact(16, 6, 6);
+    /// curve (0 Reinhard, 1 gamma, 2 none), exposure, a, c, gamma | rgb -> display rgb.
+    ToneDisplay = "tone::display", exact(5, 3, 3);
+    /// code (0 to 255; higher bits are ignored) -> linear value.
+    SrgbDecode = "bitmap::srgb_to_linear", exact(0, 1, 1);
+    /// width, height, texels (0x00BBGGRR) | u, v -> rgb.
+    SampleBitmap = "bitmap::sample_bitmap", table(3, 2, 3);
+}
+
+impl Kernel {
+    /// Checks slices against the shape.
+    ///
+    /// # Errors
+    /// The first slice of wrong length.
+    pub fn check(self, constants: &[u32], items: &[u32], out: &[u32]) -> Result<KernelShape, BackendError> {
+        let shape = self.shape();
+        let wrong = |slice, found, expected| {
+            Err(BackendError::WrongLength { kernel: self.name(), slice, found, expected })
+        };
+        let fits = |found: usize| if shape.open { found >= shape.constants } else { found == shape.constants };
+        if !fits(constants.len()) {
+            return wrong("constants", constants.len(), shape.constants);
+        }
+        let count = items.len() / shape.item.max(1);
+        if items.len() != count * shape.item {
+            return wrong("items", items.len(), count * shape.item);
+        }
+        if out.len() != count * shape.out {
+            return wrong("out", out.len(), count * shape.out);
+        }
+        Ok(shape)
+    }
+}

@@ -1,0 +1,688 @@
+//! `SceneDesc -> CompiledScene`: names become indices, everything is checked once, lights are collected.
+
+use super::compiled::{
+    CompiledScene, MaterialRecord, MediumRecord, NO_INDEX, TextureRecord, TriangleRecord, material_flags,
+};
+use super::desc::{
+    LightDesc, MaterialDesc, MaterialKind, MediumDesc, MeshDesc, Reflectance, SceneDesc, ShapeDesc,
+    ShapeKind, TextureDesc,
+};
+use super::error::{Cleanup, CompileReport, SceneError};
+use super::lights::{self, LightDraft};
+use super::needs::SceneNeeds;
+use crate::geometry::{Aabb, RoundShape, geometric_normal};
+use crate::math::{self, Vec3};
+use crate::sensor::Camera;
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+/// Largest number of primitives, vertices or texels: indices are 32 bits, and the last one means "none".
+const MAX_COUNT: usize = u32::MAX as usize - 1;
+/// Name of the material of surfaces that name none: diffuse, albedo 0.5.
+const DEFAULT_MATERIAL: &str = "(default)";
+
+/// Validates a scene and makes it ready for a backend.
+///
+/// # Errors
+/// The first defect found, with its place and the numbers. Defects that can be mended without changing what the
+/// scene means (triangles without area, lights without power) are mended and counted in the report instead.
+pub fn compile(desc: &SceneDesc) -> Result<(CompiledScene, CompileReport), SceneError> {
+    let mut b = Builder::default();
+    let textures = b.textures(&desc.textures)?;
+    b.materials(&desc.materials, &textures)?;
+    b.media(&desc.media)?;
+    for (i, mesh) in desc.meshes.iter().enumerate() {
+        b.mesh(i, mesh)?;
+    }
+    for (i, shape) in desc.shapes.iter().enumerate() {
+        b.shape(i, shape)?;
+    }
+    b.append_round_shapes();
+    if b.out.surfaces.is_empty() {
+        return Err(SceneError::Empty);
+    }
+    if b.out.surfaces.len() > MAX_COUNT || b.out.positions.len() > MAX_COUNT {
+        return Err(SceneError::TooLarge { what: "primitives", found: b.out.surfaces.len() });
+    }
+    let primitives = b.out.primitives();
+    let mut bounds = Aabb::EMPTY;
+    for id in 0..primitives.count() as u32 {
+        bounds = bounds.union(primitives.bounds(id));
+    }
+    b.out.bounds = bounds;
+    for (i, light) in desc.lights.iter().enumerate() {
+        b.light(i, light)?;
+    }
+    if let Some(camera) = &desc.camera {
+        b.out.camera = Some(Camera::try_new(camera)?);
+        if !camera.medium.is_empty() {
+            b.medium_index("camera", &camera.medium)?;
+        }
+    }
+    let drafts = core::mem::take(&mut b.lights);
+    lights::finish(&mut b.out, drafts, &mut b.report)?;
+    b.needs();
+    Ok((b.out, b.report))
+}
+
+/// The scene under construction.
+#[derive(Default)]
+struct Builder {
+    out: CompiledScene,
+    report: CompileReport,
+    material_names: BTreeMap<String, u32>,
+    material_drafts: Vec<MaterialDesc>,
+    medium_names: BTreeMap<String, u32>,
+    lights: Vec<LightDraft>,
+    /// Round shapes wait here until all triangles are in: as primitives they come last.
+    round: Vec<(RoundShape, TriangleRecord)>,
+    unsupported: Vec<String>,
+    media_present: bool,
+}
+
+impl Default for CompiledScene {
+    fn default() -> Self {
+        Self {
+            positions: Vec::new(),
+            triangles: Vec::new(),
+            shapes: Vec::new(),
+            surfaces: Vec::new(),
+            texcoords: Vec::new(),
+            normals: Vec::new(),
+            materials: Vec::new(),
+            material_names: Vec::new(),
+            textures: Vec::new(),
+            texels: Vec::new(),
+            srgb_decode: Vec::new(),
+            lights: Vec::new(),
+            light_cumulative: Vec::new(),
+            environment: [0.0; 3],
+            media: Vec::new(),
+            camera: None,
+            bounds: Aabb::EMPTY,
+            needs: SceneNeeds::default(),
+        }
+    }
+}
+
+/// All numbers are finite, or an error that names the field.
+pub(super) fn finite(place: &str, field: &'static str, values: &[f32]) -> Result<(), SceneError> {
+    if values.iter().all(|v| v.is_finite()) {
+        Ok(())
+    } else {
+        Err(SceneError::NotFinite { place: place.to_string(), field })
+    }
+}
+
+/// All numbers are finite and at least zero.
+pub(super) fn not_negative(place: &str, field: &'static str, values: &[f32]) -> Result<(), SceneError> {
+    finite(place, field, values)?;
+    match values.iter().find(|v| **v < 0.0) {
+        None => Ok(()),
+        Some(&value) => out_of_range(place, field, value, "a number not below 0"),
+    }
+}
+
+pub(super) fn out_of_range<T>(
+    place: &str,
+    field: &'static str,
+    value: f32,
+    expected: &'static str,
+) -> Result<T, SceneError> {
+    Err(SceneError::OutOfRange { place: place.to_string(), field, value, expected })
+}
+
+/// A unit vector along `v`, or an error that names the field.
+pub(super) fn unit(place: &str, field: &'static str, v: [f32; 3]) -> Result<Vec3, SceneError> {
+    finite(place, field, &v)?;
+    let n = math::normalize_or(Vec3::from_array(v), Vec3::ZERO);
+    if n == Vec3::ZERO { out_of_range(place, field, 0.0, "a direction of non-zero length") } else { Ok(n) }
+}
+
+fn positive(place: &str, field: &'static str, value: f32) -> Result<(), SceneError> {
+    finite(place, field, &[value])?;
+    if value > 0.0 { Ok(()) } else { out_of_range(place, field, value, "a number above 0") }
+}
+
+impl Builder {
+    fn textures(&mut self, list: &[TextureDesc]) -> Result<BTreeMap<String, u32>, SceneError> {
+        let mut names = BTreeMap::new();
+        for t in list {
+            let place = format!("texture \"{}\"", t.name);
+            let expected = t.width as usize * t.height as usize;
+            if expected == 0 || t.texels.len() != expected {
+                return Err(SceneError::WrongLength {
+                    place,
+                    field: "texels",
+                    found: t.texels.len(),
+                    expected: expected.max(1),
+                });
+            }
+            let first_texel = self.out.texels.len();
+            if first_texel + expected > MAX_COUNT {
+                return Err(SceneError::TooLarge { what: "texels", found: first_texel + expected });
+            }
+            if names.insert(t.name.clone(), self.out.textures.len() as u32).is_some() {
+                return Err(SceneError::DuplicateName { kind: "texture", name: t.name.clone() });
+            }
+            self.out.textures.push(TextureRecord {
+                width: t.width,
+                height: t.height,
+                first_texel: first_texel as u32,
+                pad: 0,
+            });
+            self.out.texels.extend(
+                t.texels.iter().map(|c| u32::from(c[0]) | u32::from(c[1]) << 8 | u32::from(c[2]) << 16),
+            );
+        }
+        self.out.srgb_decode = (0..=255u8).map(super::srgb_to_linear).collect();
+        Ok(names)
+    }
+
+    fn materials(
+        &mut self,
+        list: &[MaterialDesc],
+        textures: &BTreeMap<String, u32>,
+    ) -> Result<(), SceneError> {
+        for m in list {
+            let record = material_record(m, textures)?;
+            self.add_material(m, record)?;
+        }
+        Ok(())
+    }
+
+    fn add_material(&mut self, m: &MaterialDesc, record: MaterialRecord) -> Result<u32, SceneError> {
+        let index = self.out.materials.len() as u32;
+        if self.material_names.insert(m.name.clone(), index).is_some() {
+            return Err(SceneError::DuplicateName { kind: "material", name: m.name.clone() });
+        }
+        self.out.materials.push(record);
+        self.out.material_names.push(m.name.clone());
+        self.material_drafts.push(m.clone());
+        Ok(index)
+    }
+
+    fn material_index(&mut self, place: &str, name: &str) -> Result<u32, SceneError> {
+        if name.is_empty() {
+            if let Some(&i) = self.material_names.get(DEFAULT_MATERIAL) {
+                return Ok(i);
+            }
+            let m = MaterialDesc {
+                name: DEFAULT_MATERIAL.to_string(),
+                kind: MaterialKind::Diffuse { albedo: Reflectance::flat([0.5; 3]) },
+                two_sided: true,
+                emission: [0.0; 3],
+            };
+            let record = material_record(&m, &BTreeMap::new())?;
+            return self.add_material(&m, record);
+        }
+        self.material_names.get(name).copied().ok_or_else(|| SceneError::UnknownName {
+            place: place.to_string(),
+            kind: "material",
+            name: name.to_string(),
+        })
+    }
+
+    fn media(&mut self, list: &[MediumDesc]) -> Result<(), SceneError> {
+        for m in list {
+            let place = format!("medium \"{}\"", m.name);
+            not_negative(&place, "sigma_a", &m.sigma_a)?;
+            not_negative(&place, "sigma_s", &m.sigma_s)?;
+            not_negative(&place, "emission", &m.emission)?;
+            finite(&place, "g", &[m.g])?;
+            if m.g <= -1.0 || m.g >= 1.0 {
+                return out_of_range(&place, "g", m.g, "a number between -1 and 1, ends excluded");
+            }
+            if self.medium_names.insert(m.name.clone(), self.out.media.len() as u32).is_some() {
+                return Err(SceneError::DuplicateName { kind: "medium", name: m.name.clone() });
+            }
+            if !m.unsupported.is_empty() && !self.unsupported.contains(&m.unsupported) {
+                self.unsupported.push(m.unsupported.clone());
+            }
+            self.out.media.push(MediumRecord {
+                sigma_a: m.sigma_a,
+                g: m.g,
+                sigma_s: m.sigma_s,
+                pad0: 0.0,
+                emission: m.emission,
+                pad1: 0.0,
+            });
+        }
+        if self.out.media.len() >= 0xffff {
+            return Err(SceneError::TooLarge { what: "media", found: self.out.media.len() });
+        }
+        Ok(())
+    }
+
+    /// Index + 1 of a medium, 0 for the empty name.
+    fn medium_index(&mut self, place: &str, name: &str) -> Result<u32, SceneError> {
+        if name.is_empty() {
+            return Ok(0);
+        }
+        self.media_present = true;
+        self.medium_names.get(name).map(|i| i + 1).ok_or_else(|| SceneError::UnknownName {
+            place: place.to_string(),
+            kind: "medium",
+            name: name.to_string(),
+        })
+    }
+
+    fn media_word(&mut self, place: &str, interior: &str, exterior: &str) -> Result<u32, SceneError> {
+        Ok(self.medium_index(place, interior)? | self.medium_index(place, exterior)? << 16)
+    }
+
+    fn mesh(&mut self, index: usize, mesh: &MeshDesc) -> Result<(), SceneError> {
+        let place =
+            if mesh.name.is_empty() { format!("mesh {index}") } else { format!("mesh \"{}\"", mesh.name) };
+        let media = self.media_word(&place, &mesh.interior, &mesh.exterior)?;
+        let materials = self.mesh_materials(&place, mesh)?;
+        check_mesh(&place, mesh, materials.len())?;
+
+        let transform = MeshTransform::new(&place, mesh.transform)?;
+        let base = self.out.positions.len() as u32;
+        for p in &mesh.positions {
+            let q = transform.point(*p);
+            finite(&place, "a transformed vertex", &q)?;
+            self.out.positions.push(q);
+        }
+        self.vertex_attributes(mesh, &transform, base as usize);
+
+        let shading = mesh.shading_normals && !mesh.normals.is_empty();
+        let flags = if shading { material_flags::SHADING_NORMALS } else { 0 };
+        let repeats = repeated_triangles(mesh);
+        let (mut degenerate, mut duplicate) = (0, 0);
+        for (i, t) in mesh.triangles.iter().enumerate() {
+            let mut t = t.map(|v| v + base);
+            if transform.mirrors {
+                t.swap(1, 2);
+            }
+            let corners = t.map(|v| Vec3::from_array(self.out.positions[v as usize]));
+            if geometric_normal(corners).is_none() {
+                degenerate += 1;
+                continue;
+            }
+            if repeats.get(i).copied().unwrap_or(false) {
+                duplicate += 1;
+                continue;
+            }
+            let material = materials[mesh.face_materials.get(i).copied().unwrap_or(0) as usize];
+            let record = TriangleRecord { material, light: NO_INDEX, media, flags };
+            self.triangle(t, record, true);
+        }
+        self.report.count(Cleanup::DegenerateTriangles, degenerate);
+        self.report.count(Cleanup::DuplicateTriangles, duplicate);
+        Ok(())
+    }
+
+    /// Indices of the materials that a mesh's faces may refer to; at least one.
+    fn mesh_materials(&mut self, place: &str, mesh: &MeshDesc) -> Result<Vec<u32>, SceneError> {
+        if !mesh.material.is_empty() {
+            let one = self.material_index(place, &mesh.material)?;
+            return Ok(alloc::vec![one; mesh.material_names.len().max(1)]);
+        }
+        let mut list = Vec::new();
+        for name in &mesh.material_names {
+            let mut i = self.material_index(place, name)?;
+            if !mesh.textures && self.out.materials[i as usize].texture != NO_INDEX {
+                i = self.untextured(i);
+            }
+            list.push(i);
+        }
+        if list.is_empty() {
+            list.push(self.material_index(place, "")?);
+        }
+        Ok(list)
+    }
+
+    /// A copy of a material without its bitmap.
+    fn untextured(&mut self, index: u32) -> u32 {
+        let name = format!("{} (untextured)", self.out.material_names[index as usize]);
+        if let Some(&i) = self.material_names.get(&name) {
+            return i;
+        }
+        let record = MaterialRecord { texture: NO_INDEX, ..self.out.materials[index as usize] };
+        let i = self.out.materials.len() as u32;
+        self.material_names.insert(name.clone(), i);
+        self.out.materials.push(record);
+        self.out.material_names.push(name);
+        self.material_drafts.push(self.material_drafts[index as usize].clone());
+        i
+    }
+
+    /// Texture coordinates and shading normals run parallel to the positions once any mesh has them.
+    fn vertex_attributes(&mut self, mesh: &MeshDesc, transform: &MeshTransform, base: usize) {
+        let end = self.out.positions.len();
+        if !mesh.texcoords.is_empty() {
+            self.out.texcoords.resize(base, [0.0; 2]);
+            self.out.texcoords.extend_from_slice(&mesh.texcoords);
+        }
+        if !self.out.texcoords.is_empty() {
+            self.out.texcoords.resize(end, [0.0; 2]);
+        }
+        if mesh.shading_normals && !mesh.normals.is_empty() {
+            self.out.normals.resize(base, [0.0; 3]);
+            let mut zero = 0;
+            for n in &mesh.normals {
+                let n = transform.normal(*n);
+                zero += u64::from(n == Vec3::ZERO);
+                self.out.normals.push(n.to_array());
+            }
+            self.report.count(Cleanup::ZeroNormals, zero);
+        }
+        if !self.out.normals.is_empty() {
+            self.out.normals.resize(end, [0.0; 3]);
+        }
+    }
+
+    fn triangle(&mut self, t: [u32; 3], record: TriangleRecord, own_light: bool) {
+        let primitive = self.out.triangles.len() as u32;
+        self.out.triangles.push(t);
+        self.out.surfaces.push(record);
+        let emission = self.out.materials[record.material as usize].emission;
+        if own_light && emission != [0.0; 3] {
+            let [a, b, c] = t.map(|v| Vec3::from_array(self.out.positions[v as usize]));
+            self.lights.push(LightDraft::triangle(primitive, a, b - a, c - a, emission));
+        }
+    }
+
+    /// A parallelogram as two triangles that are one light.
+    fn parallelogram(&mut self, corner: Vec3, e1: Vec3, e2: Vec3, record: TriangleRecord) {
+        let base = self.out.positions.len() as u32;
+        for p in [corner, corner + e1, corner + e1 + e2, corner + e2] {
+            self.out.positions.push(p.to_array());
+        }
+        if !self.out.texcoords.is_empty() {
+            self.out.texcoords.extend([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        }
+        if !self.out.normals.is_empty() {
+            self.out.normals.resize(self.out.positions.len(), [0.0; 3]);
+        }
+        let emission = self.out.materials[record.material as usize].emission;
+        let primitive = self.out.triangles.len() as u32;
+        self.triangle([base, base + 1, base + 2], record, false);
+        self.triangle([base, base + 2, base + 3], record, false);
+        if emission != [0.0; 3] {
+            self.lights.push(LightDraft::parallelogram(primitive, corner, e1, e2, emission));
+        }
+    }
+
+    fn shape(&mut self, index: usize, shape: &ShapeDesc) -> Result<(), SceneError> {
+        let place = format!("shape {index}");
+        let media = self.media_word(&place, &shape.interior, &shape.exterior)?;
+        let material = self.material_index(&place, &shape.material)?;
+        let record = TriangleRecord { material, light: NO_INDEX, media, flags: 0 };
+        match &shape.kind {
+            ShapeKind::Sphere { center, radius } => {
+                finite(&place, "center", center)?;
+                positive(&place, "radius", *radius)?;
+                self.round.push((RoundShape::sphere(*center, *radius), record));
+            }
+            ShapeKind::Disk { center, normal, radius } => {
+                finite(&place, "center", center)?;
+                positive(&place, "radius", *radius)?;
+                let n = unit(&place, "normal", *normal)?;
+                self.round.push((RoundShape::disk(*center, n.to_array(), *radius), record));
+            }
+            ShapeKind::Rectangle { center, u, v } => {
+                finite(&place, "center", center)?;
+                finite(&place, "u", u)?;
+                finite(&place, "v", v)?;
+                let (c, u, v) = (Vec3::from_array(*center), Vec3::from_array(*u), Vec3::from_array(*v));
+                if geometric_normal([c, c + u, c + v]).is_none() {
+                    return out_of_range(&place, "u x v", 0.0, "half-edges that span an area");
+                }
+                self.parallelogram(c - u - v, u * 2.0, v * 2.0, record);
+            }
+            ShapeKind::Box { min, max } => {
+                finite(&place, "min", min)?;
+                finite(&place, "max", max)?;
+                let size = Vec3::from_array(*max) - Vec3::from_array(*min);
+                for axis in size.to_array() {
+                    positive(&place, "max - min", axis)?;
+                }
+                let (o, f) = (Vec3::from_array(*min), Vec3::from_array(*max));
+                let (x, y, z) = (Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z);
+                // Three faces at the lower corner, three at the upper; every front is outside.
+                for (corner, e1, e2) in
+                    [(o, y, x), (o, z, y), (o, x, z), (f, -x, -y), (f, -y, -z), (f, -z, -x)]
+                {
+                    self.parallelogram(corner, e1, e2, record);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn append_round_shapes(&mut self) {
+        for (shape, record) in core::mem::take(&mut self.round) {
+            let primitive = self.out.surfaces.len() as u32;
+            self.out.shapes.push(shape);
+            self.out.surfaces.push(record);
+            let emission = self.out.materials[record.material as usize].emission;
+            if emission != [0.0; 3] {
+                self.lights.push(LightDraft::round(primitive, &shape, emission));
+            }
+        }
+    }
+
+    fn light(&mut self, index: usize, light: &LightDesc) -> Result<(), SceneError> {
+        if let LightDesc::Environment(e) = light {
+            let place = format!("light {index} (environment)");
+            not_negative(&place, "radiance", &e.radiance)?;
+            for (sum, x) in self.out.environment.iter_mut().zip(e.radiance) {
+                *sum += x;
+            }
+            return Ok(());
+        }
+        self.lights.push(lights::draft(index, light, &self.out.bounds)?);
+        Ok(())
+    }
+
+    fn needs(&mut self) {
+        let out = &mut self.out;
+        let mut needs = SceneNeeds {
+            round_shapes: !out.shapes.is_empty(),
+            environment: out.environment != [0.0; 3],
+            light_choice: out.lights.len() > 1,
+            thin_lens: out.camera.is_some_and(|c| c.lens_radius > 0.0),
+            media: self.media_present,
+            unsupported: core::mem::take(&mut self.unsupported),
+            ..SceneNeeds::default()
+        };
+        let mut used = alloc::vec![false; out.materials.len()];
+        for s in &out.surfaces {
+            used[s.material as usize] = true;
+            needs.shading_normals |= s.flags & material_flags::SHADING_NORMALS != 0;
+        }
+        for ((m, draft), _) in out.materials.iter().zip(&self.material_drafts).zip(&used).filter(|e| *e.1) {
+            needs.textures |= m.texture != NO_INDEX;
+            needs.mirrors |= m.flags & material_flags::MIRROR != 0;
+            needs.glossy |= m.flags & material_flags::GLOSSY != 0;
+            needs.one_sided |= m.flags & material_flags::TWO_SIDED == 0;
+            needs.null_boundaries |= m.flags & material_flags::NULL != 0;
+            if let MaterialKind::Unsupported(kind) = &draft.kind {
+                let name = format!("material kind \"{kind}\"");
+                if !needs.unsupported.contains(&name) {
+                    needs.unsupported.push(name);
+                }
+            }
+        }
+        for l in &out.lights {
+            let surface = l.primitive != NO_INDEX;
+            needs.area_lights |= surface;
+            needs.point_like_lights |= !surface;
+        }
+        out.needs = needs;
+    }
+}
+
+fn material_record(m: &MaterialDesc, textures: &BTreeMap<String, u32>) -> Result<MaterialRecord, SceneError> {
+    let place = format!("material \"{}\"", m.name);
+    let black = Reflectance::flat([0.0; 3]);
+    let (albedo, specular, exponent, kind_flags) = match &m.kind {
+        MaterialKind::Diffuse { albedo } => (albedo, [0.0; 3], 0.0, 0),
+        MaterialKind::Mirror { albedo } => (albedo, [0.0; 3], 0.0, material_flags::MIRROR),
+        MaterialKind::Phong { specular, exponent } => (&black, *specular, *exponent, material_flags::GLOSSY),
+        MaterialKind::DiffusePhong { albedo, specular, exponent } => {
+            (albedo, *specular, *exponent, material_flags::GLOSSY)
+        }
+        MaterialKind::Null => (&black, [0.0; 3], 0.0, material_flags::NULL),
+        MaterialKind::Unsupported(_) => (&black, [0.0; 3], 0.0, 0),
+    };
+    not_negative(&place, "albedo", &albedo.color)?;
+    not_negative(&place, "specular", &specular)?;
+    not_negative(&place, "exponent", &[exponent])?;
+    not_negative(&place, "emission", &m.emission)?;
+    for channel in 0..3 {
+        // Decoded texels are at most 1, so the colour bounds the albedo with and without a bitmap.
+        let value = albedo.color[channel] + specular[channel];
+        if value > 1.0 {
+            return Err(SceneError::EnergyAboveOne { material: m.name.clone(), channel, value });
+        }
+    }
+    let texture = if albedo.texture.is_empty() {
+        NO_INDEX
+    } else {
+        *textures.get(&albedo.texture).ok_or_else(|| SceneError::UnknownName {
+            place: place.clone(),
+            kind: "texture",
+            name: albedo.texture.clone(),
+        })?
+    };
+    let sides = if m.two_sided { material_flags::TWO_SIDED } else { 0 };
+    Ok(MaterialRecord {
+        albedo: albedo.color,
+        texture,
+        specular,
+        exponent,
+        emission: m.emission,
+        flags: kind_flags | sides,
+    })
+}
+
+/// Checks the arrays of a mesh against each other.
+fn check_mesh(place: &str, mesh: &MeshDesc, materials: usize) -> Result<(), SceneError> {
+    let wrong = |field, found, expected| {
+        Err(SceneError::WrongLength { place: place.to_string(), field, found, expected })
+    };
+    let vertices = mesh.positions.len();
+    if !mesh.normals.is_empty() && mesh.normals.len() != vertices {
+        return wrong("normals", mesh.normals.len(), vertices);
+    }
+    if !mesh.texcoords.is_empty() && mesh.texcoords.len() != vertices {
+        return wrong("texcoords", mesh.texcoords.len(), vertices);
+    }
+    if !mesh.face_materials.is_empty() && mesh.face_materials.len() != mesh.triangles.len() {
+        return wrong("face_materials", mesh.face_materials.len(), mesh.triangles.len());
+    }
+    for p in &mesh.positions {
+        finite(place, "a vertex", p)?;
+    }
+    for n in &mesh.normals {
+        finite(place, "a normal", n)?;
+    }
+    for t in &mesh.texcoords {
+        finite(place, "a texture coordinate", t)?;
+    }
+    let index_error = |kind, triangle, index, length| {
+        Err(SceneError::IndexOutOfRange { place: place.to_string(), kind, triangle, index, length })
+    };
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        if let Some(&v) = t.iter().find(|v| **v as usize >= vertices) {
+            return index_error("vertex", i, v, vertices);
+        }
+        match mesh.face_materials.get(i) {
+            Some(&m) if m as usize >= materials => return index_error("material", i, m, materials),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Which triangles repeat an earlier one of the mesh: the same corners in the same turning sense, the same material.
+/// Coincident copies with one material add nothing visible but would emit twice.
+fn repeated_triangles(mesh: &MeshDesc) -> Vec<bool> {
+    let key = |i: usize| {
+        let corners = mesh.triangles[i].map(|v| mesh.positions[v as usize].map(f32::to_bits));
+        let first = (0..3).min_by_key(|k| corners[*k]).unwrap_or(0);
+        let material = mesh.face_materials.get(i).copied().unwrap_or(0);
+        ([corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]], material)
+    };
+    let hash = |i: usize| {
+        let (corners, material) = key(i);
+        corners.iter().flatten().chain([&material]).fold(0xcbf2_9ce4_8422_2325_u64, |h, w| {
+            (h ^ u64::from(*w)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23)
+        })
+    };
+    let mut order: Vec<(u64, u32)> = (0..mesh.triangles.len()).map(|i| (hash(i), i as u32)).collect();
+    order.sort_unstable();
+    let mut repeated = alloc::vec![false; mesh.triangles.len()];
+    for group in order.chunk_by(|a, b| a.0 == b.0).filter(|g| g.len() > 1) {
+        for (k, later) in group.iter().enumerate().skip(1) {
+            repeated[later.1 as usize] =
+                group[..k].iter().any(|e| key(e.1 as usize) == key(later.1 as usize));
+        }
+    }
+    repeated
+}
+
+/// An affine transform of a mesh, evaluated in f64 and rounded once.
+struct MeshTransform {
+    rows: [[f64; 4]; 3],
+    identity: bool,
+    mirrors: bool,
+}
+
+impl MeshTransform {
+    fn new(place: &str, transform: Option<[[f32; 4]; 3]>) -> Result<Self, SceneError> {
+        let Some(m) = transform else {
+            let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+            return Ok(Self { rows, identity: true, mirrors: false });
+        };
+        for row in &m {
+            finite(place, "matrix", row)?;
+        }
+        let rows = m.map(|r| r.map(f64::from));
+        let c = cofactors(&rows);
+        let det = rows[0][0] * c[0][0] + rows[0][1] * c[0][1] + rows[0][2] * c[0][2];
+        if det == 0.0 {
+            return out_of_range(place, "matrix", 0.0, "a transform with a non-zero determinant");
+        }
+        Ok(Self { rows, identity: false, mirrors: det < 0.0 })
+    }
+
+    fn point(&self, p: [f32; 3]) -> [f32; 3] {
+        if self.identity {
+            return p;
+        }
+        let p = p.map(f64::from);
+        self.rows.map(|r| (r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3]) as f32)
+    }
+
+    /// Unit normal under the inverse transpose; zero for a zero normal.
+    fn normal(&self, n: [f32; 3]) -> Vec3 {
+        if self.identity {
+            return math::normalize_or(Vec3::from_array(n), Vec3::ZERO);
+        }
+        let n = n.map(f64::from);
+        let sign = if self.mirrors { -1.0 } else { 1.0 };
+        let v = cofactors(&self.rows).map(|c| sign * (c[0] * n[0] + c[1] * n[1] + c[2] * n[2]));
+        let largest = v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        if largest == 0.0 {
+            return Vec3::ZERO;
+        }
+        math::normalize_or(Vec3::from_array(v.map(|x| (x / largest) as f32)), Vec3::ZERO)
+    }
+}
+
+/// Cofactors of the linear part: the inverse transpose times the determinant.
+fn cofactors(r: &[[f64; 4]; 3]) -> [[f64; 3]; 3] {
+    let minor = |i: usize, j: usize| {
+        let (a, b) = ((i + 1) % 3, (i + 2) % 3);
+        let (c, d) = ((j + 1) % 3, (j + 2) % 3);
+        r[a][c] * r[b][d] - r[a][d] * r[b][c]
+    };
+    [0, 1, 2].map(|i| [minor(i, 0), minor(i, 1), minor(i, 2)])
+}

@@ -1,0 +1,225 @@
+//! The compiled scene: flat arrays, indices instead of names, finite and energy-conserving by construction.
+//!
+//! Arenas, in the order in which a GPU backend binds them (eight storage buffers at most):
+//! positions, triangles, surfaces, vertex attributes, shapes, materials + textures, lights + their CDF, texels.
+
+use super::needs::SceneNeeds;
+use crate::geometry::{Aabb, Primitives, RoundShape};
+use crate::math::{self, Vec3};
+use crate::sensor::Camera;
+use alloc::string::String;
+use alloc::vec::Vec;
+use bytemuck::{Pod, Zeroable};
+
+/// "No such thing" in every index of the compiled scene.
+pub const NO_INDEX: u32 = u32::MAX;
+
+/// Flags of a [`MaterialRecord`].
+pub mod material_flags {
+    /// Both sides scatter.
+    pub const TWO_SIDED: u32 = 1;
+    /// `albedo` is the reflectance of a perfect mirror instead of a diffuse albedo.
+    pub const MIRROR: u32 = 2;
+    /// There is a Phong lobe.
+    pub const GLOSSY: u32 = 4;
+    /// Not a surface but a boundary between media.
+    pub const NULL: u32 = 8;
+    /// Shade with interpolated normals (a flag of surfaces, kept beside the others).
+    pub const SHADING_NORMALS: u32 = 16;
+}
+
+/// What a primitive's surface is: one record per triangle, then one per round shape.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct TriangleRecord {
+    /// Index of the material.
+    pub material: u32,
+    /// Index of the light that this primitive is (part of), or [`NO_INDEX`].
+    pub light: u32,
+    /// Medium behind (low 16 bits) and in front (high 16 bits), each index + 1, 0 for none.
+    pub media: u32,
+    /// [`material_flags::SHADING_NORMALS`] or 0.
+    pub flags: u32,
+}
+
+/// A surface's scattering and emission.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct MaterialRecord {
+    /// Diffuse albedo or mirror reflectance per channel.
+    pub albedo: [f32; 3],
+    /// Bitmap that multiplies `albedo`, or [`NO_INDEX`].
+    pub texture: u32,
+    /// Specular coefficient of the Phong lobe per channel.
+    pub specular: [f32; 3],
+    /// Exponent of the Phong lobe.
+    pub exponent: f32,
+    /// Radiance emitted from the front \[W m^-2 sr^-1\] per channel.
+    pub emission: [f32; 3],
+    /// [`material_flags`].
+    pub flags: u32,
+}
+
+/// A bitmap's place in the texel arena.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct TextureRecord {
+    /// Width in texels, at least 1.
+    pub width: u32,
+    /// Height in texels, at least 1.
+    pub height: u32,
+    /// Index of the top left texel.
+    pub first_texel: u32,
+    /// Zero.
+    pub pad: u32,
+}
+
+/// The kinds of light that are sampled. The constant environment is not among them: scattering draws its directions
+/// from the same density that light sampling would.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightKind {
+    /// `point`, `radiance` = intensity \[W/sr\].
+    Point = 0,
+    /// As point; `edge1` is the axis, `params` = \[cos of cone, cos of falloff\].
+    Spot = 1,
+    /// `normal` is the direction of travel, `radiance` = irradiance on a facing surface \[W/m^2\].
+    Directional = 2,
+    /// Corner `point` and two edges.
+    Triangle = 3,
+    /// Corner `point` and two edges: two triangles sampled as one.
+    Parallelogram = 4,
+    /// Centre `point`, `params[0]` = radius.
+    Sphere = 5,
+    /// Centre `point`, `normal`, `params[0]` = radius.
+    Disk = 6,
+}
+
+/// One light. Fields that a kind does not name are zero.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct LightRecord {
+    /// A [`LightKind`] as a number.
+    pub kind: u32,
+    /// First primitive of an emissive surface, or [`NO_INDEX`].
+    pub primitive: u32,
+    /// Probability of being picked, as the integer CDF realises it.
+    pub pmf: f32,
+    /// Area of an emissive surface \[m^2\].
+    pub area: f32,
+    /// Position, corner or centre \[m\].
+    pub point: [f32; 3],
+    /// Kind-specific numbers.
+    pub params: [f32; 2],
+    /// Zero.
+    pub pad: [f32; 3],
+    /// Radiance \[W m^-2 sr^-1\], intensity \[W/sr\] or irradiance \[W/m^2\] per channel.
+    pub radiance: [f32; 3],
+    /// First edge, or the axis of a spot.
+    pub edge1: [f32; 3],
+    /// Second edge.
+    pub edge2: [f32; 3],
+    /// Unit normal of the front, or the direction of travel.
+    pub normal: [f32; 3],
+}
+
+/// A homogeneous participating medium.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct MediumRecord {
+    /// Absorption \[1/m\] per channel.
+    pub sigma_a: [f32; 3],
+    /// Henyey-Greenstein mean cosine.
+    pub g: f32,
+    /// Scattering \[1/m\] per channel.
+    pub sigma_s: [f32; 3],
+    /// Zero.
+    pub pad0: f32,
+    /// Emitted radiance per metre.
+    pub emission: [f32; 3],
+    /// Zero.
+    pub pad1: f32,
+}
+
+/// A validated scene, ready for any backend.
+#[derive(Clone, Debug)]
+pub struct CompiledScene {
+    /// Vertex positions \[m\].
+    pub positions: Vec<[f32; 3]>,
+    /// Vertex indices of each triangle, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Spheres and disks; as primitives they follow the triangles.
+    pub shapes: Vec<RoundShape>,
+    /// One record per primitive.
+    pub surfaces: Vec<TriangleRecord>,
+    /// Texture coordinates per vertex, or empty.
+    pub texcoords: Vec<[f32; 2]>,
+    /// Shading normals per vertex (unit, or zero where there is none), or empty.
+    pub normals: Vec<[f32; 3]>,
+    /// Materials.
+    pub materials: Vec<MaterialRecord>,
+    /// Names of the materials, for messages.
+    pub material_names: Vec<String>,
+    /// Bitmaps.
+    pub textures: Vec<TextureRecord>,
+    /// Texels of all bitmaps, 0x00BBGGRR, sRGB.
+    pub texels: Vec<u32>,
+    /// Linear value of each sRGB code.
+    pub srgb_decode: Vec<f32>,
+    /// Lights that are sampled.
+    pub lights: Vec<LightRecord>,
+    /// Cumulative integer counts over `lights` (see `sampling::discrete`); empty without lights.
+    pub light_cumulative: Vec<u32>,
+    /// Radiance of the constant environment \[W m^-2 sr^-1\]; zero without one.
+    pub environment: [f32; 3],
+    /// Media.
+    pub media: Vec<MediumRecord>,
+    /// The camera, if the scene has one.
+    pub camera: Option<Camera>,
+    /// A box around all surfaces.
+    pub bounds: Aabb,
+    /// The transport that occurs.
+    pub needs: SceneNeeds,
+}
+
+impl CompiledScene {
+    /// The geometry alone, as intersectors want it.
+    pub fn primitives(&self) -> Primitives<'_> {
+        Primitives { positions: &self.positions, triangles: &self.triangles, shapes: &self.shapes }
+    }
+
+    /// The material of a primitive.
+    #[inline]
+    pub fn material_of(&self, primitive: u32) -> &MaterialRecord {
+        &self.materials[self.surfaces[primitive as usize].material as usize]
+    }
+
+    /// Centre and radius of a sphere around all surfaces \[m\].
+    pub fn bounding_sphere(&self) -> (Vec3, f32) {
+        bounding_sphere(&self.bounds)
+    }
+
+    /// Total area of all surfaces, one side each \[m^2\].
+    pub fn area(&self) -> f64 {
+        let primitives = self.primitives();
+        let mut sum = crate::math::Compensated::<f64>::new(0.0);
+        for id in 0..primitives.count() as u32 {
+            sum.add(f64::from(match (primitives.vertices(id), primitives.shape(id)) {
+                (Some(v), _) => crate::geometry::triangle_area(v),
+                (_, Some(s)) => super::lights::shape_area(s),
+                _ => 0.0,
+            }));
+        }
+        sum.value()
+    }
+}
+
+/// Centre and radius of a sphere around a box \[m\]; an empty box gives radius 0.
+pub(super) fn bounding_sphere(bounds: &Aabb) -> (Vec3, f32) {
+    let half = (bounds.hi - bounds.lo) * 0.5;
+    if half.x >= 0.0 && half.y >= 0.0 && half.z >= 0.0 {
+        (bounds.lo + half, math::sqrt(half.dot(half)))
+    } else {
+        (Vec3::ZERO, 0.0)
+    }
+}

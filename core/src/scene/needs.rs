@@ -1,0 +1,94 @@
+//! What light transport a scene needs, so that everything else costs it nothing.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
+
+/// The light transport that occurs in a scene. A flag that is false names code that need not run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SceneNeeds {
+    /// Some albedo is a bitmap.
+    pub textures: bool,
+    /// Some surface has a perfect mirror.
+    pub mirrors: bool,
+    /// Some surface has a Phong lobe.
+    pub glossy: bool,
+    /// Some surface is black from behind.
+    pub one_sided: bool,
+    /// Some surface is shaded by interpolated normals.
+    pub shading_normals: bool,
+    /// Spheres or disks beside triangles.
+    pub round_shapes: bool,
+    /// Point, spot or directional lights: only light sampling finds them.
+    pub point_like_lights: bool,
+    /// Emissive surfaces.
+    pub area_lights: bool,
+    /// Light from infinity in all directions.
+    pub environment: bool,
+    /// More than one light to choose from.
+    pub light_choice: bool,
+    /// The camera has a lens.
+    pub thin_lens: bool,
+    /// Participating media.
+    pub media: bool,
+    /// Boundaries that are no surfaces.
+    pub null_boundaries: bool,
+    /// Kinds of material or medium that this version does not render, by name, each once.
+    pub unsupported: Vec<String>,
+}
+
+impl SceneNeeds {
+    /// Something beyond two-sided diffuse surfaces has to be evaluated at a hit.
+    pub fn lobes(&self) -> bool {
+        self.mirrors || self.glossy || self.one_sided
+    }
+
+    /// Nothing in the scene emits light.
+    pub fn dark(&self) -> bool {
+        !(self.point_like_lights || self.area_lights || self.environment)
+    }
+
+    /// Why surface path tracing cannot render this scene; `None` where it can.
+    pub fn beyond_surfaces(&self) -> Option<String> {
+        let mut missing: Vec<&str> = Vec::new();
+        if self.media {
+            missing.push("participating media");
+        }
+        if self.null_boundaries {
+            missing.push("null boundaries");
+        }
+        missing.extend(self.unsupported.iter().map(String::as_str));
+        (!missing.is_empty()).then(|| missing.join(", "))
+    }
+}
+
+impl fmt::Display for SceneNeeds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let named = [
+            (self.textures, "textures"),
+            (self.mirrors, "mirrors"),
+            (self.glossy, "Phong lobes"),
+            (self.one_sided, "one-sided surfaces"),
+            (self.shading_normals, "shading normals"),
+            (self.round_shapes, "spheres or disks"),
+            (self.point_like_lights, "point-like lights"),
+            (self.area_lights, "area lights"),
+            (self.environment, "environment light"),
+            (self.light_choice, "a choice of lights"),
+            (self.thin_lens, "thin lens"),
+            (self.media, "participating media"),
+            (self.null_boundaries, "null boundaries"),
+        ];
+        let mut first = true;
+        for name in
+            named.iter().filter(|n| n.0).map(|n| n.1).chain(self.unsupported.iter().map(String::as_str))
+        {
+            write!(f, "{}{name}", if first { "" } else { ", " })?;
+            first = false;
+        }
+        if first {
+            f.write_str("diffuse surfaces only")?;
+        }
+        Ok(())
+    }
+}

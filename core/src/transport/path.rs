@@ -1,0 +1,332 @@
+//! Path tracing from the sensor with light sampling and multiple importance sampling.
+//!
+//! Estimates radiance \[W m^-2 sr^-1\] along camera rays, or irradiance \[W/m^2\] at probes. At each vertex one light
+//! is sampled by flux and one direction by the lobes; both find surface lights and are combined by the power
+//! heuristic (Veach 1997, ch. 9). The constant environment is found by scattering alone. Paths end by roulette on
+//! their throughput from the fourth edge on, with survival at most 0.95, so that they end even in a closed room of
+//! albedo 1. Unbiased for what surfaces carry, up to `max_depth`.
+
+use super::{Answer, Query, Surface, ask, mis, surface_at};
+use crate::bsdf::Lobes;
+use crate::geometry::{Hit, Intersector, Ray, SurfacePoint};
+use crate::light;
+use crate::math::{self, PI, Vec3};
+use crate::sampling::sobol::BlockSampler;
+use crate::scene::{CompiledScene, NO_INDEX};
+
+/// Number of edges after which roulette begins.
+const ROULETTE_FROM: u32 = 4;
+/// Largest probability of surviving the roulette.
+const SURVIVAL_MAX: f32 = 0.95;
+/// Group of sample dimensions for the pixel and the lens.
+const SENSOR_GROUP: u32 = 0;
+
+/// The path tracer for one scene, with the code that it needs (see [`super::TransportCode`]).
+#[derive(Clone, Copy, Debug)]
+pub struct PathTracer<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
+    scene: &'a CompiledScene,
+    max_depth: u32,
+}
+
+/// One path between two rays.
+#[derive(Clone, Copy, Debug)]
+pub struct PathState {
+    sampler: BlockSampler,
+    /// What the sample measures so far.
+    radiance: Vec3,
+    /// Product of f cos / pdf along the path.
+    throughput: Vec3,
+    /// What the running shadow ray brings if it is free.
+    pending: Vec3,
+    /// The ray to follow after the shadow ray; of no direction when the path ends there.
+    next: Ray,
+    /// The ray that is being traced for its hit.
+    ray: Ray,
+    /// Density per solid angle of the last scattered direction; 0 where only scattering can find lights.
+    pdf: f32,
+    /// Where the last direction was scattered.
+    vertex: Vec3,
+    /// Edges of the path up to and including `ray`.
+    depth: u32,
+}
+
+const NO_RAY: Ray = Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0 };
+
+impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
+    PathTracer<'a, LOBES, TEXTURES, SHADING>
+{
+    /// A tracer of paths with at most `max_depth` edges.
+    pub fn new(scene: &'a CompiledScene, max_depth: u32) -> Self {
+        Self { scene, max_depth }
+    }
+
+    /// Starts a camera path through pixel (x, y). Without a camera the path is done at once.
+    #[inline]
+    pub fn start_camera(&self, x: u32, y: u32, sampler: BlockSampler) -> (PathState, Query) {
+        let Some(camera) = &self.scene.camera else { return (PathState::new(sampler), Query::Done) };
+        let [u, v, lens_u, lens_v] = if camera.lens_radius > 0.0 {
+            sampler.group4(SENSOR_GROUP)
+        } else {
+            let [u, v] = sampler.group2(SENSOR_GROUP);
+            [u, v, 0.0, 0.0]
+        };
+        let mut state = PathState::new(sampler);
+        state.ray = camera.sample_ray(x, y, [u, v], [lens_u, lens_v]);
+        state.depth = 1;
+        let query = if self.max_depth >= 1 { Query::Closest(state.ray) } else { Query::Done };
+        (state, query)
+    }
+
+    /// Starts a path that measures the irradiance \[W/m^2\] at a point with unit normal `n`: the reflected radiance of
+    /// a white Lambert surface there, times pi.
+    #[inline]
+    pub fn start_probe(&self, point: SurfacePoint, n: Vec3, sampler: BlockSampler) -> (PathState, Query) {
+        let mut state = PathState::new(sampler);
+        state.throughput = Vec3::splat(PI);
+        let surface = Surface {
+            point,
+            front: n,
+            geometric: n,
+            shading: n,
+            wo: n,
+            lobes: Lobes::diffuse(Vec3::ONE),
+            light: NO_INDEX,
+            from_front: true,
+        };
+        let query = if self.max_depth >= 1 { self.scatter(&mut state, &surface) } else { Query::Done };
+        (state, query)
+    }
+
+    /// Takes the answer to the last query and says what is asked next.
+    #[inline]
+    pub fn advance(&self, state: &mut PathState, answer: Answer) -> Query {
+        match answer {
+            Answer::Closest(hit) => self.arrive(state, hit),
+            Answer::Occluded(occluded) => {
+                if !occluded {
+                    state.radiance += state.pending;
+                }
+                state.follow()
+            }
+        }
+    }
+
+    /// The path has reached a surface, or nothing.
+    #[inline]
+    fn arrive(&self, state: &mut PathState, hit: Option<Hit>) -> Query {
+        let Some(hit) = hit else {
+            state.radiance += state.throughput * Vec3::from_array(self.scene.environment);
+            return Query::Done;
+        };
+        let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &state.ray, &hit) else {
+            return Query::Done;
+        };
+        if surface.light != NO_INDEX && surface.from_front {
+            self.add_emission(state, &surface, hit.t);
+        }
+        if state.depth >= self.max_depth {
+            return Query::Done;
+        }
+        self.scatter(state, &surface)
+    }
+
+    #[inline]
+    fn add_emission(&self, state: &mut PathState, surface: &Surface, t: f32) {
+        let Some(light) = self.scene.lights.get(surface.light as usize) else { return };
+        let weight = if state.pdf > 0.0 {
+            let wi = state.ray.direction;
+            let other = light::pdf_solid_angle(light, state.vertex, wi, t, surface.front);
+            mis::power_heuristic(state.pdf, other)
+        } else {
+            1.0
+        };
+        state.radiance += state.throughput * Vec3::from_array(light.radiance) * weight;
+    }
+
+    /// Samples a light and a direction at a vertex.
+    #[inline]
+    fn scatter(&self, state: &mut PathState, surface: &Surface) -> Query {
+        let (light_group, lobe_group) = (1 + 2 * state.depth, 2 + 2 * state.depth);
+        let shadow = self.sample_light(state, surface, light_group);
+        state.next = NO_RAY;
+        let [u, v, lobe, survive] = state.sampler.group4(lobe_group);
+        if let Some(s) = surface.lobes.sample(surface.shading, surface.wo, [u, v], lobe) {
+            // An interpolated normal can send light through the surface; such directions carry nothing.
+            if !SHADING || s.wi.dot(surface.geometric) > 0.0 {
+                self.continue_with(state, surface, &s, survive);
+            }
+        }
+        match shadow {
+            Some(ray) => Query::Shadow(ray),
+            None => state.follow(),
+        }
+    }
+
+    #[inline]
+    fn continue_with(
+        &self,
+        state: &mut PathState,
+        surface: &Surface,
+        s: &crate::bsdf::BsdfSample,
+        survive: f32,
+    ) {
+        let mut throughput = state.throughput * s.weight;
+        if state.depth + 1 >= ROULETTE_FROM {
+            let q = math::max_component(throughput).min(SURVIVAL_MAX);
+            if survive >= q {
+                return;
+            }
+            throughput /= q;
+        } else if throughput == Vec3::ZERO {
+            return;
+        }
+        state.throughput = throughput;
+        state.pdf = s.pdf;
+        state.vertex = surface.leave(s.wi);
+        state.next = Ray { origin: state.vertex, direction: s.wi, t_max: f32::MAX };
+    }
+
+    /// Light sampling: stores what it brings, returns the ray that must be free.
+    #[inline]
+    fn sample_light(&self, state: &mut PathState, surface: &Surface, group: u32) -> Option<Ray> {
+        let scene = self.scene;
+        if scene.lights.is_empty() || !surface.lobes.has_density() {
+            return None;
+        }
+        let [pick, u, v, _] = state.sampler.bits4(group);
+        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
+        let p = surface.point.position;
+        let s = light::sample_lights(&scene.lights, &scene.light_cumulative, p, pick, u)?;
+        if s.wi.dot(surface.geometric) <= 0.0 {
+            return None;
+        }
+        let cos = s.wi.dot(surface.shading);
+        let f = surface.lobes.eval(surface.shading, surface.wo, s.wi);
+        let mut pending = state.throughput * f * s.contribution * cos.max(0.0);
+        if s.pdf > 0.0 {
+            let other = surface.lobes.pdf_solid_angle(surface.shading, surface.wo, s.wi);
+            pending *= mis::power_heuristic(s.pdf, other);
+        }
+        if pending == Vec3::ZERO {
+            return None;
+        }
+        state.pending = pending;
+        Some(light::shadow_ray(&s, &surface.point, surface.geometric))
+    }
+
+    /// Runs one path to its end; returns what it measures and the number of rays it took.
+    #[inline]
+    pub fn run<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        (mut state, mut query): (PathState, Query),
+    ) -> (Vec3, u32) {
+        let mut rays = 0;
+        while let Some(answer) = ask(intersector, &query) {
+            rays += 1;
+            query = self.advance(&mut state, answer);
+        }
+        (state.radiance, rays)
+    }
+
+    /// Mean of one block of camera paths through a pixel, summed in the order of the samples; and the rays it took.
+    pub fn pixel_block<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        [x, y]: [u32; 2],
+        seed: u64,
+        block: u32,
+        block_length: u32,
+    ) -> ([f64; 3], u64) {
+        let width = self.scene.camera.map_or(0, |c| c.width);
+        let stream = y.wrapping_mul(width).wrapping_add(x);
+        block_mean(block_length, |i| {
+            self.run(intersector, self.start_camera(x, y, BlockSampler::new(seed, stream, block, i)))
+        })
+    }
+
+    /// Mean of one block of paths from a probe; and the rays it took.
+    pub fn probe_block<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        (index, point, normal): (u32, SurfacePoint, Vec3),
+        seed: u64,
+        block: u32,
+        block_length: u32,
+    ) -> ([f64; 3], u64) {
+        block_mean(block_length, |i| {
+            self.run(intersector, self.start_probe(point, normal, BlockSampler::new(seed, index, block, i)))
+        })
+    }
+}
+
+/// Mean of `length` samples (a power of two, so that the division is exact), and the sum of their rays.
+#[inline]
+fn block_mean(length: u32, mut sample: impl FnMut(u32) -> (Vec3, u32)) -> ([f64; 3], u64) {
+    let mut sum = [0.0_f64; 3];
+    let mut rays = 0;
+    for i in 0..length {
+        let (value, n) = sample(i);
+        rays += u64::from(n);
+        for (s, x) in sum.iter_mut().zip(value.to_array()) {
+            *s += f64::from(x);
+        }
+    }
+    (sum.map(|s| s / f64::from(length.max(1))), rays)
+}
+
+impl PathState {
+    fn new(sampler: BlockSampler) -> Self {
+        Self {
+            sampler,
+            radiance: Vec3::ZERO,
+            throughput: Vec3::ONE,
+            pending: Vec3::ZERO,
+            next: NO_RAY,
+            ray: NO_RAY,
+            pdf: 0.0,
+            vertex: Vec3::ZERO,
+            depth: 0,
+        }
+    }
+
+    /// What the sample measures so far.
+    pub fn measured(&self) -> Vec3 {
+        self.radiance
+    }
+
+    #[inline(always)]
+    fn follow(&mut self) -> Query {
+        if self.next.direction == Vec3::ZERO {
+            return Query::Done;
+        }
+        self.ray = self.next;
+        self.depth += 1;
+        Query::Closest(self.ray)
+    }
+}
+
+/// Runs `$body` with `$tracer` bound to the path tracer that has just the code that `$code` names.
+#[macro_export]
+macro_rules! with_path_tracer {
+    ($code:expr, $scene:expr, $max_depth:expr, |$tracer:ident| $body:expr) => {{
+        use $crate::transport::path::PathTracer;
+        let code: $crate::transport::TransportCode = $code;
+        macro_rules! instance {
+            ($l:literal, $t:literal, $s:literal) => {{
+                let $tracer = PathTracer::<$l, $t, $s>::new($scene, $max_depth);
+                $body
+            }};
+        }
+        match (code.lobes, code.textures, code.shading_normals) {
+            (false, false, false) => instance!(false, false, false),
+            (false, false, true) => instance!(false, false, true),
+            (false, true, false) => instance!(false, true, false),
+            (false, true, true) => instance!(false, true, true),
+            (true, false, false) => instance!(true, false, false),
+            (true, false, true) => instance!(true, false, true),
+            (true, true, false) => instance!(true, true, false),
+            (true, true, true) => instance!(true, true, true),
+        }
+    }};
+}

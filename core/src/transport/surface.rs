@@ -1,0 +1,165 @@
+//! What a ray finds at a hit: point, normals, lobes, emission.
+
+use crate::bsdf::Lobes;
+use crate::geometry::{
+    Hit, Intersector, PrimitiveId, Ray, SurfacePoint, geometric_normal, hit_point, offset_origin,
+    shape_normal, shape_point,
+};
+use crate::math::{self, Vec3};
+use crate::scene::{CompiledScene, NO_INDEX, SceneNeeds, material_flags, sample_bitmap};
+
+/// Which code a scene needs at a hit; each combination is an instance of its own, so that what is absent costs
+/// nothing. Three flags make the eight instances that are compiled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TransportCode {
+    /// Anything but two-sided diffuse surfaces.
+    pub lobes: bool,
+    /// Bitmaps.
+    pub textures: bool,
+    /// Interpolated normals.
+    pub shading_normals: bool,
+}
+
+impl TransportCode {
+    /// The code that a scene needs.
+    pub fn of(needs: &SceneNeeds) -> Self {
+        Self { lobes: needs.lobes(), textures: needs.textures, shading_normals: needs.shading_normals }
+    }
+
+    /// All of it: what a scene costs that is not asked what it needs.
+    pub const FULL: Self = Self { lobes: true, textures: true, shading_normals: true };
+}
+
+/// A surface point as a path sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// Where, with the extent that scales its rounding.
+    pub point: SurfacePoint,
+    /// Unit geometric normal of the front.
+    pub front: Vec3,
+    /// Unit geometric normal on the side of `wo`.
+    pub geometric: Vec3,
+    /// Unit normal that lobes are evaluated about, on the side of `wo`.
+    pub shading: Vec3,
+    /// Unit direction back along the ray.
+    pub wo: Vec3,
+    /// What is reflected; black from behind a one-sided surface.
+    pub lobes: Lobes,
+    /// Index of the light that the primitive is, or [`NO_INDEX`].
+    pub light: u32,
+    /// The ray met the front.
+    pub from_front: bool,
+}
+
+impl Surface {
+    /// Start of a ray into direction `wi`.
+    #[inline(always)]
+    pub fn leave(&self, wi: Vec3) -> Vec3 {
+        offset_origin(&self.point, self.geometric, wi)
+    }
+}
+
+/// Evaluates the surface at a hit. `None` where the hit names no usable surface (never for hits of this scene).
+#[inline]
+pub fn surface_at<const LOBES: bool, const TEXTURES: bool, const SHADING: bool>(
+    scene: &CompiledScene,
+    ray: &Ray,
+    hit: &Hit,
+) -> Option<Surface> {
+    let record = scene.surfaces.get(hit.primitive as usize)?;
+    let material = scene.materials.get(record.material as usize)?;
+    let wo = -ray.direction;
+    let mut vertex = None;
+    let (point, front) = match scene.triangles.get(hit.primitive as usize) {
+        Some(t) => {
+            vertex = Some(*t);
+            let v = t.map(|i| Vec3::from_array(scene.positions[i as usize]));
+            (hit_point(v, hit.b1, hit.b2), geometric_normal(v)?)
+        }
+        None => {
+            let shape = scene.shapes.get(hit.primitive as usize - scene.triangles.len())?;
+            let point = shape_point(shape, ray.origin + ray.direction * hit.t);
+            (point, shape_normal(shape, point.position)?)
+        }
+    };
+    let from_front = wo.dot(front) >= 0.0;
+    let geometric = if from_front { front } else { -front };
+    let mut albedo = Vec3::from_array(material.albedo);
+    if TEXTURES && material.texture != NO_INDEX {
+        albedo *= textured(scene, material.texture, vertex, hit);
+    }
+    let lobes = if LOBES {
+        if material.flags & material_flags::TWO_SIDED == 0 && !from_front {
+            Lobes::diffuse(Vec3::ZERO)
+        } else {
+            Lobes {
+                albedo,
+                specular: Vec3::from_array(material.specular),
+                exponent: material.exponent,
+                mirror: material.flags & material_flags::MIRROR != 0,
+            }
+        }
+    } else {
+        Lobes::diffuse(albedo)
+    };
+    let mut shading = geometric;
+    if SHADING && record.flags & material_flags::SHADING_NORMALS != 0 {
+        shading = interpolated_normal(scene, vertex, hit, from_front, wo).unwrap_or(geometric);
+    }
+    Some(Surface { point, front, geometric, shading, wo, lobes, light: record.light, from_front })
+}
+
+#[inline]
+fn textured(scene: &CompiledScene, texture: u32, vertex: Option<[u32; 3]>, hit: &Hit) -> Vec3 {
+    let (Some(t), Some(record)) = (vertex, scene.textures.get(texture as usize)) else { return Vec3::ONE };
+    let at = |i: u32| scene.texcoords.get(i as usize).copied().unwrap_or([0.0; 2]);
+    let [a, b, c] = t.map(at);
+    let b0 = 1.0 - hit.b1 - hit.b2;
+    let uv = [0, 1].map(|k| b0 * a[k] + hit.b1 * b[k] + hit.b2 * c[k]);
+    sample_bitmap(record, &scene.texels, &scene.srgb_decode, uv)
+}
+
+/// The interpolated normal on the side of `wo`, or `None` where it is missing or points away from the viewer.
+#[inline]
+fn interpolated_normal(
+    scene: &CompiledScene,
+    vertex: Option<[u32; 3]>,
+    hit: &Hit,
+    from_front: bool,
+    wo: Vec3,
+) -> Option<Vec3> {
+    let normal = |i: u32| Vec3::from_array(scene.normals.get(i as usize).copied().unwrap_or([0.0; 3]));
+    let [a, b, c] = vertex?.map(normal);
+    let sum = a * (1.0 - hit.b1 - hit.b2) + b * hit.b1 + c * hit.b2;
+    let n = math::normalize_or(sum, Vec3::ZERO);
+    let n = if from_front { n } else { -n };
+    (n.dot(wo) > 0.0).then_some(n)
+}
+
+/// A probe as a surface point: the extent is that of the surface on which it lies, found by one short ray, so that
+/// rays leave it as they would leave the surface itself. A probe in mid-air has none.
+pub fn resolve_probe<I: Intersector + ?Sized>(
+    scene: &CompiledScene,
+    intersector: &I,
+    position: Vec3,
+    normal: Vec3,
+) -> SurfacePoint {
+    let free = SurfacePoint { position, extent: 0.0 };
+    let (_, radius) = scene.bounding_sphere();
+    // Twice what the largest conceivable surface of the scene would ask for.
+    let widest = SurfacePoint { position, extent: 4.0 * radius };
+    let start = offset_origin(&widest, normal, normal);
+    let ray = Ray { origin: start, direction: (position - start) * 2.0, t_max: 1.0 };
+    match intersector.closest_hit(&ray) {
+        Some(hit) => SurfacePoint { position, extent: extent_of(scene, hit.primitive, position) },
+        None => free,
+    }
+}
+
+fn extent_of(scene: &CompiledScene, primitive: PrimitiveId, p: Vec3) -> f32 {
+    let primitives = scene.primitives();
+    if let Some(v) = primitives.vertices(primitive) {
+        return v.iter().fold(0.0_f32, |m, q| m.max((*q - p).length()));
+    }
+    primitives.shape(primitive).map_or(0.0, |s| 2.0 * s.radius)
+}

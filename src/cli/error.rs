@@ -1,0 +1,53 @@
+//! Errors of the command and their exit codes.
+
+use crate::io::{LoadError, SaveError};
+use crate::metrics::MetricsError;
+use etendue_core::backend::BackendError;
+use etendue_core::scene::SceneError;
+use std::process::ExitCode;
+
+/// The answer is 'no'.
+pub(super) const NO: u8 = 1;
+/// Bad usage (clap's own code, too).
+pub(super) const USAGE: u8 = 2;
+/// Bad input.
+const INPUT: u8 = 3;
+/// A resource is missing or too small.
+const RESOURCE: u8 = 4;
+/// Stopped by Ctrl-C.
+pub(super) const INTERRUPTED: u8 = 130;
+
+/// Why a verb did not do its work.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum CliError {
+    #[error("{0}")]
+    Load(#[from] LoadError),
+    #[error("{file}: {error}")]
+    Scene { file: String, error: SceneError },
+    #[error("{0}")]
+    Backend(#[from] BackendError),
+    #[error("{0}")]
+    Save(#[from] SaveError),
+    #[error("{0}")]
+    Metrics(#[from] MetricsError),
+    #[error("{0}")]
+    Usage(String),
+    #[error("{0}")]
+    Input(String),
+}
+
+impl CliError {
+    pub(super) fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Load(_) | Self::Scene { .. } | Self::Metrics(_) | Self::Input(_) => INPUT,
+            Self::Usage(_) => USAGE,
+            Self::Save(_) => RESOURCE,
+            Self::Backend(e) => match e {
+                BackendError::Unsupported { .. }
+                | BackendError::NoAdapter { .. }
+                | BackendError::LimitExceeded { .. } => RESOURCE,
+                _ => INPUT,
+            },
+        })
+    }
+}

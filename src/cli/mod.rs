@@ -1,0 +1,60 @@
+//! The command line: one file per verb. No math happens here.
+
+mod args;
+mod compare;
+mod conformance;
+mod error;
+mod info;
+mod job;
+mod output;
+mod probe;
+mod progress;
+mod render;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Global illumination that states its error.
+#[derive(Debug, Parser)]
+#[command(name = "etendue", version, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Tell what a scene contains, which light transport it needs and what is wrong with it
+    Info(info::Args),
+    /// Render an image
+    Render(render::Args),
+    /// Estimate the irradiance at surface points, with standard errors
+    Probe(probe::Args),
+    /// Compare two images by every metric; exit 1 above a limit
+    Compare(compare::Args),
+    /// Run the conformance suite on a backend
+    Conformance(conformance::Args),
+}
+
+/// Runs the command of this process.
+pub fn main() -> ExitCode {
+    // Usage errors exit with 2 here, --help and --version with 0.
+    let cli = Cli::parse();
+    let filter = tracing_subscriber::EnvFilter::try_from_env("ETENDUE_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("off"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    let result = match &cli.verb {
+        Verb::Info(args) => info::run(args),
+        Verb::Render(args) => render::run(args),
+        Verb::Probe(args) => probe::run(args),
+        Verb::Compare(args) => compare::run(args),
+        Verb::Conformance(args) => conformance::run(args),
+    };
+    match result {
+        Ok(code) => code,
+        Err(e) => {
+            eprintln!("etendue: {e}");
+            e.exit_code()
+        }
+    }
+}

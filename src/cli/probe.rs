@@ -1,0 +1,80 @@
+//! `etendue probe`: irradiance at surface points.
+
+use super::args::{BackendArgs, SamplingArgs, TalkArgs};
+use super::error::{CliError, INTERRUPTED};
+use super::job::{Stages, open, read_scene, report, summary, warn_about};
+use super::progress::Bar;
+use crate::driver;
+use crate::io::{read_points, write_points};
+use etendue_core::backend::Probe;
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Options of `probe`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The scene: .toml, .obj or .ply
+    scene: PathBuf,
+    /// The points: {"probes": [{"position": [x,y,z], "normal": [x,y,z]}, ...]}
+    #[arg(long, value_name = "P.json")]
+    points: PathBuf,
+    /// The same list with "E" (W m^-2, direct and indirect) and "stderr"
+    #[arg(short, long, value_name = "OUT.json")]
+    output: PathBuf,
+    #[command(flatten)]
+    sampling: SamplingArgs,
+    #[command(flatten)]
+    backend: BackendArgs,
+    #[command(flatten)]
+    talk: TalkArgs,
+}
+
+/// Runs the verb.
+pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
+    args.sampling.check_method()?;
+    let mut stages = Stages::new();
+    let mut points = read_points(&args.points)?;
+    if points.is_empty() {
+        return Err(CliError::Input(format!("{}: expected at least one probe", args.points.display())));
+    }
+    let probes: Vec<Probe> =
+        points.iter().map(|p| Probe { position: p.position, normal: p.normal }).collect();
+    let (scene, _) = read_scene(&args.scene, None, &args.talk, &mut stages)?;
+    let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
+    let settings = args.sampling.settings();
+    let bar = Bar::new(&args.talk);
+    let outcome = driver::probes(&*opened.session, &probes, &settings, &bar)?;
+    bar.finish();
+    stages.done("sample");
+    warn_about(&outcome);
+    if outcome.film.block_count() == 0 {
+        eprintln!("stopped before the first block of samples was complete: nothing was written");
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    for (i, p) in points.iter_mut().enumerate() {
+        p.irradiance = Some(outcome.film.mean(i).map(|x| x as f32));
+        p.stderr = outcome.film.standard_error(i).map(|v| v.map(|x| x as f32));
+    }
+    write_points(&args.output, &points)?;
+    stages.done("write");
+
+    if args.talk.json {
+        let mut map = report(&opened, &outcome, settings.seed, &stages);
+        map.insert("method".into(), json!("path"));
+        map.insert("probes".into(), json!(points.len()));
+        map.insert("output".into(), json!(args.output));
+        println!("{}", serde_json::Value::Object(map));
+    } else if !args.talk.quiet {
+        println!("{}: {} probes, {}", args.output.display(), points.len(), summary(&outcome, &stages));
+    }
+    if outcome.cancelled {
+        eprintln!(
+            "stopped early: {} holds {} samples per probe",
+            args.output.display(),
+            outcome.film.samples()
+        );
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,93 @@
+//! `etendue render`: an image.
+
+use super::args::{BackendArgs, SamplingArgs, Size, TalkArgs, ToneArgs};
+use super::error::{CliError, INTERRUPTED};
+use super::job::{Stages, open, read_scene, report, summary, warn_about};
+use super::output::{image_of, write_image};
+use super::progress::Bar;
+use crate::driver;
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Options of `render`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The scene: .toml, .obj or .ply
+    scene: PathBuf,
+    /// The image: linear radiance, variance of the mean and sample counts
+    #[arg(short, long, value_name = "OUT.exr")]
+    output: PathBuf,
+    /// Width and height instead of the scene's
+    #[arg(long, value_name = "WxH")]
+    size: Option<Size>,
+    #[command(flatten)]
+    sampling: SamplingArgs,
+    #[command(flatten)]
+    tone: ToneArgs,
+    #[command(flatten)]
+    backend: BackendArgs,
+    #[command(flatten)]
+    talk: TalkArgs,
+}
+
+/// Runs the verb.
+pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
+    args.sampling.check_method()?;
+    let mut stages = Stages::new();
+    let (scene, _) = read_scene(&args.scene, args.size, &args.talk, &mut stages)?;
+    let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
+    let settings = args.sampling.settings();
+    let bar = Bar::new(&args.talk);
+    let outcome = driver::image(&*opened.session, &settings, &bar)?;
+    bar.finish();
+    stages.done("sample");
+    warn_about(&outcome);
+    if outcome.film.block_count() == 0 {
+        eprintln!("stopped before the first block of samples was complete: nothing was written");
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    // What decides the bits, and nothing else: no times, no threads.
+    let metadata = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "method": "path",
+        "backend": opened.info.name,
+        "scene_hash": opened.hash,
+        "seed": settings.seed,
+        "samples": outcome.film.samples(),
+        "block_length": outcome.film.settings().block_length,
+        "max_depth": args.sampling.max_depth,
+    });
+    let image = image_of(&outcome, metadata.to_string());
+    write_image(&image, &args.output, args.tone.png.as_deref(), args.tone.settings())?;
+    stages.done("write");
+
+    if args.talk.json {
+        let mut map = report(&opened, &outcome, settings.seed, &stages);
+        map.insert("method".into(), json!("path"));
+        map.insert("width".into(), json!(image.width));
+        map.insert("height".into(), json!(image.height));
+        map.insert("output".into(), json!(args.output));
+        println!("{}", serde_json::Value::Object(map));
+    } else if !args.talk.quiet {
+        println!(
+            "{}: {}x{}, {}",
+            args.output.display(),
+            image.width,
+            image.height,
+            summary(&outcome, &stages)
+        );
+        if let Some(png) = &args.tone.png {
+            println!("{}: for the eye", png.display());
+        }
+    }
+    if outcome.cancelled {
+        eprintln!(
+            "stopped early: {} holds {} samples per pixel",
+            args.output.display(),
+            outcome.film.samples()
+        );
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,85 @@
+//! Choosing a backend at run time.
+
+use etendue_core::backend::{Backend, BackendError};
+use std::fmt;
+use std::str::FromStr;
+
+/// The backends that this library knows, whether or not they are compiled in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BackendKind {
+    /// rayon + obvhs.
+    #[default]
+    Cpu,
+    /// wgpu.
+    Wgpu,
+}
+
+impl BackendKind {
+    /// The name by which users choose it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Wgpu => "wgpu",
+        }
+    }
+}
+
+impl fmt::Display for BackendKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for BackendKind {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "cpu" => Ok(Self::Cpu),
+            "wgpu" => Ok(Self::Wgpu),
+            other => Err(format!("unknown backend `{other}`, expected `cpu` or `wgpu`")),
+        }
+    }
+}
+
+/// Starts a backend. `threads` is for the CPU's workers; `None` means one per core.
+///
+/// # Errors
+/// When the backend is not compiled in, has no device or cannot start.
+pub fn open_backend(kind: BackendKind, threads: Option<usize>) -> Result<Box<dyn Backend>, BackendError> {
+    match kind {
+        BackendKind::Cpu => cpu(threads),
+        BackendKind::Wgpu => wgpu(),
+    }
+}
+
+#[cfg(feature = "cpu")]
+fn cpu(threads: Option<usize>) -> Result<Box<dyn Backend>, BackendError> {
+    match etendue_cpu::CpuBackend::new(threads) {
+        Ok(backend) => Ok(Box::new(backend)),
+        Err(e) => Err(BackendError::NoAdapter { wanted: e.to_string() }),
+    }
+}
+
+#[cfg(not(feature = "cpu"))]
+fn cpu(_threads: Option<usize>) -> Result<Box<dyn Backend>, BackendError> {
+    Err(absent("cpu"))
+}
+
+#[cfg(feature = "wgpu")]
+fn wgpu() -> Result<Box<dyn Backend>, BackendError> {
+    Ok(Box::new(etendue_wgpu::WgpuBackend::request()?))
+}
+
+#[cfg(not(feature = "wgpu"))]
+fn wgpu() -> Result<Box<dyn Backend>, BackendError> {
+    Err(absent("wgpu"))
+}
+
+#[cfg(not(all(feature = "cpu", feature = "wgpu")))]
+fn absent(backend: &'static str) -> BackendError {
+    BackendError::Unsupported {
+        backend,
+        what: "anything: it is not compiled in (a feature of that name)".into(),
+    }
+}
