@@ -10,9 +10,7 @@ fn constants(kernel: Kernel) -> Vec<u32> {
     match kernel {
         Kernel::SampleBitmap => vec![1, 1, 0x00ff_ffff],
         Kernel::CdfPick | Kernel::CdfPmf => vec![0, 1 << 31],
-        Kernel::SampleParallelogram | Kernel::InvertParallelogram => {
-            [0, 0, 0, one, 0, 0, 0, one, 0].to_vec()
-        }
+        Kernel::SampleParallelogram | Kernel::InvertParallelogram => [0, 0, 0, one, 0, 0, 0, one, 0].to_vec(),
         Kernel::CameraRay => {
             let mut c = vec![one; 16];
             (c[11], c[15]) = (4, 4);

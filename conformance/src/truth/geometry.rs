@@ -189,7 +189,10 @@ fn disk(ray: &Ray, f: V, n: V, r: f64) -> Answer {
     let scale = reach / length * slant;
     let q = vec::length(vec::add(f, vec::mul(ray.d, t)));
     let near = |x: f64, y: f64, error: f64| x != y && (x - y).abs() <= error;
-    if near(q, r, MARGIN * reach * slant) || near(t, 0.0, MARGIN * scale) || near(t, ray.t_max, MARGIN * scale) {
+    if near(q, r, MARGIN * reach * slant)
+        || near(t, 0.0, MARGIN * scale)
+        || near(t, ray.t_max, MARGIN * scale)
+    {
         return Answer::Undecided;
     }
     if q > r || t < 0.0 || t > ray.t_max {
