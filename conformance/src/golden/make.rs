@@ -65,13 +65,13 @@ fn gloss() -> SceneDesc {
             floor(0.0, 4.0, "both"),
             sphere([-0.8, 0.0, 0.5], 0.5, "mirror"),
             sphere([0.6, -0.3, 0.6], 0.6, "phong"),
-            sphere([0.0, -0.5, 2.5], 0.3, "bulb"),
+            sphere([0.0, -0.5, 3.4], 0.8, "bulb"),
         ],
         materials: vec![
             material("both", both, 0.0),
             material("mirror", MaterialKind::Mirror { albedo: Reflectance::flat([0.9, 0.85, 0.8]) }, 0.0),
             material("phong", MaterialKind::Phong { specular: [0.8, 0.6, 0.4], exponent: 8.0 }, 0.0),
-            MaterialDesc { two_sided: false, ..diffuse("bulb", 0.2, 20.0) },
+            MaterialDesc { two_sided: false, ..diffuse("bulb", 0.2, 3.0) },
             MaterialDesc { emission: [0.5, 1.0, 1.5], ..diffuse("panel", 0.5, 0.0) },
         ],
         ..SceneDesc::default()
