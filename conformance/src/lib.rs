@@ -10,9 +10,18 @@
     reason = "truths and statistics are in f64; nothing here is shared with a shader"
 )]
 
+pub mod analytic;
+pub mod golden;
 pub mod inputs;
+pub mod invariance;
 pub mod kernels;
 pub mod reference;
+pub mod scenes;
 pub mod statistics;
+mod suite;
 pub mod tolerance;
+pub mod trios;
 pub mod truth;
+
+pub use kernels::{AccuracyRow, accuracy_table, markdown};
+pub use suite::{CheckResult, Level, Summary, run};

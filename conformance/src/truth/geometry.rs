@@ -47,8 +47,9 @@ pub(super) fn truth(kernel: Kernel, r: &mut Words<'_>) -> Answer {
             if cos != 0.0 && cos.abs() <= MARGIN * vec::length(toward) {
                 return Answer::Undecided;
             }
+            // Six roundoffs per coordinate and eight per extent: the margin that core::geometry measured and states.
             let side = if cos < 0.0 { -1.0 } else { 1.0 };
-            let height = U * (4.0 * (0..3).map(|i| (n[i] * p[i]).abs()).sum::<f64>() + 8.0 * extent);
+            let height = U * (6.0 * (0..3).map(|i| (n[i] * p[i]).abs()).sum::<f64>() + 8.0 * extent);
             let q = vec::add(p, vec::mul(n, side * height));
             let scale = vec::largest(p) + height;
             Answer::Is(q.map(|x| Expect::Scaled(x, scale)).to_vec())

@@ -16,7 +16,7 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
         }
         Kernel::SobolBits4 => {
             let (stream, block, index, group) = (r.word(), r.word(), r.word(), r.word());
-            let key = mix4([constants[0], constants[1], stream, block]);
+            let key = key([constants[0], constants[1]], [stream, block, 0, 1]);
             let at = shuffle(index, seed_of(key, 8 * group));
             let mut out = [0; 4];
             for (d, out) in out.iter_mut().enumerate() {
@@ -26,7 +26,7 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
         }
         Kernel::SobolSet => {
             let (index, d) = (r.word(), r.word());
-            let key = mix4([constants[0], constants[1], 0xA5A5_5EED, u32::MAX]);
+            let key = key([constants[0], constants[1]], [0, 0, 0, 2]);
             let (pad, d) = (d / 64, d % 64);
             if d as usize >= JOE_KUO.len() + 1 {
                 // The table of direction numbers ends here; the other backend still has to agree.
@@ -73,19 +73,10 @@ fn philox(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     x.map(|v| v as u32)
 }
 
-/// pcg4d (Jarzynski and Olano 2020, listing), first two words.
-fn mix4(v: [u32; 4]) -> [u32; 2] {
-    let m = |x: u64| x & 0xffff_ffff;
-    let mut v = v.map(|x| m(u64::from(x) * 1_664_525 + 1_013_904_223));
-    let round = |v: &mut [u64; 4]| {
-        for (i, j, k) in [(0, 1, 3), (1, 2, 0), (2, 0, 1), (3, 1, 2)] {
-            v[i] = m(v[i] + m(v[j] * v[k]));
-        }
-    };
-    round(&mut v);
-    v = v.map(|x| x ^ (x >> 16));
-    round(&mut v);
-    [v[0] as u32, v[1] as u32]
+/// A set's key: the first two words of Philox under the seed, its name the counter.
+fn key(seed: [u32; 2], name: [u32; 4]) -> [u32; 2] {
+    let [a, b, ..] = philox(name, seed);
+    [a, b]
 }
 
 /// The n-th seed of a key, as `sobol` states it.
