@@ -111,7 +111,12 @@ pub fn check(backend: &dyn Backend, scene: &GoldenScene, level: Level) -> Result
     let mut out = vec![(
         name("pixels"),
         share >= PIXEL_SHARE && film.invalid() == 0 && film.saturated() == 0,
-        format!("{:.2} % of {} pixels agree (at least {:.2} %)", 100.0 * share, found.len(), 100.0 * PIXEL_SHARE),
+        format!(
+            "{:.2} % of {} pixels agree (at least {:.2} %)",
+            100.0 * share,
+            found.len(),
+            100.0 * PIXEL_SHARE
+        ),
     )];
     let t = t_quantile(sidak(MEAN_ALPHA, 3), 1000.0);
     let n = found.len() as f64;

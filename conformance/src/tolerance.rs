@@ -48,7 +48,9 @@ const fn float(unit: &'static str, limit: f64, reason: &'static str) -> Toleranc
 fn polynomial(name: &str) -> Tolerance {
     let rows = etendue_core::math::ACCURACY.iter();
     let limit = rows
-        .filter(|row| row.name == name || row.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('.')))
+        .filter(|row| {
+            row.name == name || row.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'))
+        })
         .fold(0.0_f64, |m, row| m.max(row.worst_ulp));
     float("ulp", limit, "polynomial in f32, as core::math::ACCURACY states")
 }

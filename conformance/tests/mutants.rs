@@ -37,7 +37,13 @@ impl Backend for KernelMutant {
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {
         ReferenceBackend.open(scene)
     }
-    fn map(&self, kernel: Kernel, constants: &[u32], items: &[u32], out: &mut [u32]) -> Result<(), BackendError> {
+    fn map(
+        &self,
+        kernel: Kernel,
+        constants: &[u32],
+        items: &[u32],
+        out: &mut [u32],
+    ) -> Result<(), BackendError> {
         kernel::evaluate(kernel, constants, items, out)?;
         if kernel == self.kernel {
             let shape = kernel.shape();
@@ -156,23 +162,43 @@ fn every_kernel_mutant_is_caught_by_its_kernel() {
 #[test]
 fn trio_mutants_are_caught_by_properties() {
     let spoiled: &[(&str, Kernel, Spoil, &str)] = &[
-        ("uniform instead of cosine", Kernel::SampleCosineHemisphere, |_, item, out| {
-            kernel::evaluate(Kernel::SampleHemisphere, &[], item, out).expect("same lengths");
-        }, "trio/cosine_hemisphere/chi_square"),
+        (
+            "uniform instead of cosine",
+            Kernel::SampleCosineHemisphere,
+            |_, item, out| {
+                kernel::evaluate(Kernel::SampleHemisphere, &[], item, out).expect("same lengths");
+            },
+            "trio/cosine_hemisphere/chi_square",
+        ),
         ("a density 1 % too large", Kernel::PdfSphere, |_, _, out| scale(out, 1.01), "trio/sphere/integral"),
-        ("coordinates swapped on the way back", Kernel::InvertHemisphere, |_, _, out| out.swap(0, 1), "trio/hemisphere/round_trip"),
-        ("a weight without the lobe's share", Kernel::SampleLobes, |_, item, out| {
-            if item[3..6] != [0; 3] && item[..3] != [0; 3] {
-                scale(&mut out[4..7], 1.3);
-            }
-        }, "trio/lobes(both)/weights"),
-        ("the other lobe's density", Kernel::PdfLobes, |_, item, out| {
-            if item[3..6] != [0; 3] && item[..3] != [0; 3] {
-                let mut diffuse = item.to_vec();
-                diffuse[3..6].fill(0);
-                kernel::evaluate(Kernel::PdfLobes, &[], &diffuse, out).expect("same lengths");
-            }
-        }, "trio/lobes(both)/chi_square"),
+        (
+            "coordinates swapped on the way back",
+            Kernel::InvertHemisphere,
+            |_, _, out| out.swap(0, 1),
+            "trio/hemisphere/round_trip",
+        ),
+        (
+            "a weight without the lobe's share",
+            Kernel::SampleLobes,
+            |_, item, out| {
+                if item[3..6] != [0; 3] && item[..3] != [0; 3] {
+                    scale(&mut out[4..7], 1.3);
+                }
+            },
+            "trio/lobes(both)/weights",
+        ),
+        (
+            "the other lobe's density",
+            Kernel::PdfLobes,
+            |_, item, out| {
+                if item[3..6] != [0; 3] && item[..3] != [0; 3] {
+                    let mut diffuse = item.to_vec();
+                    diffuse[3..6].fill(0);
+                    kernel::evaluate(Kernel::PdfLobes, &[], &diffuse, out).expect("same lengths");
+                }
+            },
+            "trio/lobes(both)/chi_square",
+        ),
     ];
     for (name, kernel, spoil, expected) in spoiled {
         let mutant = KernelMutant { kernel: *kernel, spoil: *spoil };
@@ -242,8 +268,14 @@ fn goldens_catch_what_they_are_for() {
         (Fault::EmissionTwoSided, "terrace"),
     ] {
         let scene = golden::scenes().into_iter().find(|s| s.name == scene).expect("scenes have these names");
-        let of = |fault| golden::check(&TracerBackend { fault }, &scene, Level::Quick).expect("surfaces only");
-        assert!(of(Some(fault)).iter().any(|f| !f.1), "{fault:?} passes {}: {:?}", scene.name, of(Some(fault)));
+        let of =
+            |fault| golden::check(&TracerBackend { fault }, &scene, Level::Quick).expect("surfaces only");
+        assert!(
+            of(Some(fault)).iter().any(|f| !f.1),
+            "{fault:?} passes {}: {:?}",
+            scene.name,
+            of(Some(fault))
+        );
         assert!(of(None).iter().all(|f| f.1), "the faultless tracer fails {}: {:?}", scene.name, of(None));
     }
 }

@@ -1,18 +1,75 @@
 //! `etendue conformance`: the suite that every backend must pass.
 
 use super::args::{BackendArgs, TalkArgs};
-use super::error::CliError;
+use super::error::{CliError, NO};
+use crate::engine::open_backend;
+use etendue_conformance::{CheckResult, Level, accuracy_table, markdown, run as run_suite};
+use serde_json::json;
 use std::process::ExitCode;
 
 /// Options of `conformance`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
+    /// More cases and samples: minutes instead of seconds
+    #[arg(long)]
+    full: bool,
+    /// Print the accuracy tables instead, as Markdown
+    #[arg(long)]
+    accuracy: bool,
     #[command(flatten)]
     backend: BackendArgs,
     #[command(flatten)]
     talk: TalkArgs,
 }
 
-pub(super) fn run(_args: &Args) -> Result<ExitCode, CliError> {
-    Err(CliError::Usage("not yet".into()))
+/// Runs the verb.
+pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
+    let backend = open_backend(args.backend.backend, args.backend.threads.map(|n| n as usize))?;
+    let info = backend.info();
+    if args.accuracy {
+        let rows = accuracy_table(&*backend)?;
+        print!("{}", markdown(&info, &rows));
+        return Ok(ExitCode::SUCCESS);
+    }
+    let level = if args.full { Level::Full } else { Level::Quick };
+    let mut checks = Vec::new();
+    let talk = &args.talk;
+    let mut report = |check: &CheckResult| {
+        if talk.json {
+            checks.push(json!({
+                "name": check.name,
+                "passed": check.passed,
+                "skipped": check.skipped,
+                "detail": check.detail,
+                "seconds": check.seconds,
+            }));
+        } else if !check.passed || !talk.quiet {
+            let verdict = match (check.passed, check.skipped) {
+                (_, true) => "skip",
+                (true, _) => "ok  ",
+                (false, _) => "FAIL",
+            };
+            println!("{verdict} {:<44} {:>6.2} s  {}", check.name, check.seconds, check.detail);
+        }
+    };
+    let summary = run_suite(&*backend, level, &mut report);
+    if talk.json {
+        let object = json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "backend": info.name,
+            "adapter": info.adapter,
+            "passed": summary.passed,
+            "failed": summary.failed,
+            "skipped": summary.skipped,
+            "seconds": summary.seconds,
+            "checks": checks,
+        });
+        println!("{object}");
+    } else if !talk.quiet {
+        println!(
+            "{} on {}: {} passed, {} failed, {} skipped in {:.1} s",
+            info.name, info.adapter, summary.passed, summary.failed, summary.skipped, summary.seconds
+        );
+    }
+    Ok(if summary.ok() { ExitCode::SUCCESS } else { ExitCode::from(NO) })
 }

@@ -40,9 +40,10 @@ enum Verb {
 pub fn main() -> ExitCode {
     // Usage errors exit with 2 here, --help and --version with 0.
     let cli = Cli::parse();
-    let filter = tracing_subscriber::EnvFilter::try_from_env("ETENDUE_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("off"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    // For those who look into a run: ETENDUE_LOG=debug.
+    if let Some(level) = std::env::var("ETENDUE_LOG").ok().and_then(|l| l.parse::<tracing::Level>().ok()) {
+        tracing_subscriber::fmt().with_max_level(level).with_writer(std::io::stderr).init();
+    }
     let result = match &cli.verb {
         Verb::Info(args) => info::run(args),
         Verb::Render(args) => render::run(args),
