@@ -123,7 +123,12 @@ fn hard_floats() -> Vec<f32> {
     list
 }
 
-fn unary(count: usize, random: &mut Random, domain: impl Fn(f32) -> bool, draw: impl Fn(&mut Random) -> f32) -> Vec<Batch> {
+fn unary(
+    count: usize,
+    random: &mut Random,
+    domain: impl Fn(f32) -> bool,
+    draw: impl Fn(&mut Random) -> f32,
+) -> Vec<Batch> {
     let mut items = Vec::new();
     for x in hard_floats().into_iter().filter(|x| domain(*x)) {
         put(&mut items, &[x]);
@@ -184,12 +189,22 @@ pub fn inputs(kernel: Kernel, count: usize) -> Vec<Batch> {
         K::Cbrt => unary(count, r, |_| true, any_finite),
         K::Exp => unary(count, r, |x| x.abs() <= 104.0, |r| r.range(-104.0, 89.0) as f32),
         K::Exp2 => unary(count, r, |x| x.abs() <= 151.0, |r| r.range(-150.0, 129.0) as f32),
-        K::SinCos => unary(count, r, |x| x.abs() <= 3216.0, |r| {
-            if r.below(2) == 0 { r.range(-8.0, 8.0) as f32 } else { r.range(-3216.0, 3216.0) as f32 }
-        }),
-        K::Acos | K::Asin => unary(count, r, |x| x.abs() <= 1.0, |r| {
-            if r.below(4) == 0 { 1.0 - r.log_range(1e-7, 1.0) } else { r.range(-1.0, 1.0) as f32 }
-        }),
+        K::SinCos => unary(
+            count,
+            r,
+            |x| x.abs() <= 3216.0,
+            |r| {
+                if r.below(2) == 0 { r.range(-8.0, 8.0) as f32 } else { r.range(-3216.0, 3216.0) as f32 }
+            },
+        ),
+        K::Acos | K::Asin => unary(
+            count,
+            r,
+            |x| x.abs() <= 1.0,
+            |r| {
+                if r.below(4) == 0 { 1.0 - r.log_range(1e-7, 1.0) } else { r.range(-1.0, 1.0) as f32 }
+            },
+        ),
         K::Pow => binary(count, r, |r| match r.below(3) {
             0 => {
                 let y = r.log_range(1e-3, 1e5);
@@ -263,7 +278,9 @@ pub fn inputs(kernel: Kernel, count: usize) -> Vec<Batch> {
         K::SamplePowerCosine => single(pairs(count, r, |r| vec![exponent(r)])),
         K::PdfDisk | K::InvertDisk => {
             let mut items = Vec::new();
-            for x in [[0.0, 0.0], [1.0, 0.0], [0.0, -1.0], [1e-30, -1e-30], [0.5, 0.5], [-0.5, 0.5], [2.0, 0.0]] {
+            for x in
+                [[0.0, 0.0], [1.0, 0.0], [0.0, -1.0], [1e-30, -1e-30], [0.5, 0.5], [-0.5, 0.5], [2.0, 0.0]]
+            {
                 if kernel == K::PdfDisk || x[0] < 1.5 {
                     put(&mut items, &x);
                 }
@@ -288,7 +305,8 @@ pub fn inputs(kernel: Kernel, count: usize) -> Vec<Batch> {
         }
         K::SampleParallelogram | K::InvertParallelogram => parallelograms(kernel, count, r),
         K::U32ToUnit => {
-            let mut items = vec![0, 1, 255, 256, u32::MAX, u32::MAX - 127, u32::MAX - 128, u32::MAX - 255, 1 << 31];
+            let mut items =
+                vec![0, 1, 255, 256, u32::MAX, u32::MAX - 127, u32::MAX - 128, u32::MAX - 255, 1 << 31];
             items.extend((0..count).map(|_| r.word()));
             single(items)
         }
@@ -353,9 +371,8 @@ fn parallelograms(kernel: Kernel, count: usize, r: &mut Random) -> Vec<Batch> {
             let mut points = Vec::new();
             for u in items.chunks(2) {
                 let [s, t] = [u[0], u[1]].map(|w| f64::from(f32::from_bits(w)));
-                let p = [0, 1, 2].map(|i| {
-                    (f64::from(origin[i]) + s * f64::from(e0[i]) + t * f64::from(e1[i])) as f32
-                });
+                let p = [0, 1, 2]
+                    .map(|i| (f64::from(origin[i]) + s * f64::from(e0[i]) + t * f64::from(e1[i])) as f32);
                 put(&mut points, &p);
             }
             items = points;

@@ -29,10 +29,8 @@ const TRANSFORMS: [(f32, f32, f64); 3] = [
 
 fn moved(case: &Case, scale: f32, shift: f32, rounding: f64) -> Case {
     let shift = [shift, -shift, 0.5 * shift];
-    let probe = |p: &Probe| Probe {
-        position: [0, 1, 2].map(|k| p.position[k] * scale + shift[k]),
-        normal: p.normal,
-    };
+    let probe =
+        |p: &Probe| Probe { position: [0, 1, 2].map(|k| p.position[k] * scale + shift[k]), normal: p.normal };
     let mut out = case.clone();
     out.scene = transformed(&case.scene, scale, shift);
     out.measure = match &case.measure {
@@ -41,6 +39,8 @@ fn moved(case: &Case, scale: f32, shift: f32, rounding: f64) -> Case {
         other => other.clone(),
     };
     out.rounding = out.rounding.max(rounding);
+    // Three transforms of each case: half the precision of the case itself will do.
+    out.samples = (out.samples / 4).max(32);
     out
 }
 
@@ -75,7 +75,12 @@ fn split(backend: &dyn Backend, case: &Case) -> Result<Finding, BackendError> {
         _ => None,
     };
     let film = |blocks: std::ops::Range<u32>| -> Result<Film, BackendError> {
-        render(backend, &scene, probes, &PathJob { seed: 11, block_length: 16, blocks, max_depth: case.max_depth })
+        render(
+            backend,
+            &scene,
+            probes,
+            &PathJob { seed: 11, block_length: 16, blocks, max_depth: case.max_depth },
+        )
     };
     let (whole, again) = (film(0..8)?, film(0..8)?);
     let (first, second) = (film(0..4)?, film(4..8)?);

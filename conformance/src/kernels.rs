@@ -168,7 +168,9 @@ pub fn markdown(info: &BackendInfo, rows: &[AccuracyRow]) -> String {
          that the input's rounding sets (1 for directions). Equal bits: share of items with the scalar reference's \
          bits. Undecided: items whose answer hangs on a comparison within rounding.\n\n",
     );
-    out.push_str("| kernel | cases | undecided | worst | mean | unit | allowed | equal bits | why not zero |\n");
+    out.push_str(
+        "| kernel | cases | undecided | worst | mean | unit | allowed | equal bits | why not zero |\n",
+    );
     out.push_str("|---|---:|---:|---:|---:|---|---:|---:|---|\n");
     for r in rows {
         let t = &r.tolerance;

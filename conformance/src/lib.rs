@@ -5,7 +5,10 @@
 //! are one table with reasons; random tests have fixed seeds and state their alpha. The suite is held to its own
 //! claims by wrong backends that it must catch (`tests/mutants.rs`).
 
-#![allow(clippy::disallowed_methods, reason = "truths and statistics are in f64; nothing here is shared with a shader")]
+#![allow(
+    clippy::disallowed_methods,
+    reason = "truths and statistics are in f64; nothing here is shared with a shader"
+)]
 
 pub mod analytic;
 pub mod golden;

@@ -30,7 +30,8 @@ impl Tolerance {
 }
 
 const INTEGER: &str = "integer stage: exact";
-const WGSL: &str = "WGSL lets division and sqrt err by 2.5 ulp and products fuse; not yet measured on hardware";
+const WGSL: &str =
+    "WGSL lets division and sqrt err by 2.5 ulp and products fuse; not yet measured on hardware";
 
 const fn exact() -> Tolerance {
     let bound = Bound { limit: 0.0, reason: INTEGER };
@@ -47,7 +48,9 @@ const fn float(unit: &'static str, limit: f64, reason: &'static str) -> Toleranc
 fn polynomial(name: &str) -> Tolerance {
     let rows = etendue_core::math::ACCURACY.iter();
     let limit = rows
-        .filter(|row| row.name == name || row.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('.')))
+        .filter(|row| {
+            row.name == name || row.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'))
+        })
         .fold(0.0_f64, |m, row| m.max(row.worst_ulp));
     float("ulp", limit, "polynomial in f32, as core::math::ACCURACY states")
 }
@@ -78,16 +81,22 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
             float("u", 3.0, ANGLE)
         }
         K::SamplePowerCosine => float("u", 3.0, "logarithm, exponential and azimuth"),
-        K::SampleTriangle => float("ulp", 0.5, "exact for multiples of 2^-24 but where a half of one is subtracted"),
+        K::SampleTriangle => {
+            float("ulp", 0.5, "exact for multiples of 2^-24 but where a half of one is subtracted")
+        }
         K::SampleParallelogram => float("u", 2.0, ROUNDING),
         K::PdfSphere | K::PdfHemisphere | K::PdfCosineHemisphere | K::PdfCone | K::PdfDisk => {
             float("ulp", 1.5, PI_ROUNDED)
         }
         K::PdfPowerCosine => float("u", 6.0, CONDITION),
-        K::PdfTriangle | K::PdfParallelogram => float("u", 6.0, "cross product, length and quotient, over the sine"),
-        K::InvertSphere | K::InvertHemisphere | K::InvertCosineHemisphere | K::InvertDisk | K::InvertTriangle => {
-            float("u", 4.0, "arctangent and rounding of the vector's length")
+        K::PdfTriangle | K::PdfParallelogram => {
+            float("u", 6.0, "cross product, length and quotient, over the sine")
         }
+        K::InvertSphere
+        | K::InvertHemisphere
+        | K::InvertCosineHemisphere
+        | K::InvertDisk
+        | K::InvertTriangle => float("u", 4.0, "arctangent and rounding of the vector's length"),
         K::InvertCone => float("u", 5.0, "arctangent and rounding of the vector's length"),
         K::InvertPowerCosine => float("u", 4.0, CONDITION),
         K::InvertParallelogram => float("u", 4.0, CONDITION),
@@ -107,7 +116,9 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
         K::PowerHeuristic => float("u", 2.0, ROUNDING),
         K::CameraRay => float("u", 3.0, ROUNDING),
         K::ToneDisplay => float("u", 8.0, "power function; absolute 5e-7 as core::tone states"),
-        K::SrgbDecode => float("ulp", 8.0, "power of a rounded base: 2.4 roundings and those of the quotient"),
+        K::SrgbDecode => {
+            float("ulp", 8.0, "power of a rounded base: 2.4 roundings and those of the quotient")
+        }
         K::SampleBitmap => float("u", 3.0, CONDITION),
         // A kernel without an entry allows nothing and says so: the coverage test fails on it.
         _ => Tolerance {

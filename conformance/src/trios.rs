@@ -194,7 +194,9 @@ fn chi_square(
     let pdf = map(backend, t.pdf, &with_parameter(&w, 3, t.parameter))?;
     let n = samples.len() / 3;
     let mut rows: Vec<f64> = (0..ROWS)
-        .map(|r| (0..FINE).map(|k| f64::from(pdf[r * FINE + k]) * weights[r * FINE + k]).sum::<f64>() * n as f64)
+        .map(|r| {
+            (0..FINE).map(|k| f64::from(pdf[r * FINE + k]) * weights[r * FINE + k]).sum::<f64>() * n as f64
+        })
         .collect();
     // The last row of a narrow density is a long tail; the integral is checked by itself, so this is what is left.
     rows[ROWS - 1] = (n as f64 / COLUMNS as f64 - rows[..ROWS - 1].iter().sum::<f64>()).max(0.0);
@@ -212,12 +214,7 @@ fn chi_square(
 }
 
 /// Trios of flat shapes: uniform, so that cells of the shape get equal counts.
-fn flat(
-    backend: &dyn Backend,
-    count: usize,
-    level: f64,
-    out: &mut Vec<Finding>,
-) -> Result<(), BackendError> {
+fn flat(backend: &dyn Backend, count: usize, level: f64, out: &mut Vec<Finding>) -> Result<(), BackendError> {
     let u = units(count, 0xf1a7);
     for (name, sample, invert, width) in [
         ("disk", Kernel::SampleDisk, Kernel::InvertDisk, 2),
@@ -231,7 +228,11 @@ fn flat(
             worst = worst.max(if d.is_nan() { f64::INFINITY } else { d });
         }
         let allowed = if width == 2 { 4.0 } else { 1.0 };
-        out.push((format!("trio/{name}/round_trip"), worst <= allowed, format!("worst {worst:.2} u, allowed {allowed}")));
+        out.push((
+            format!("trio/{name}/round_trip"),
+            worst <= allowed,
+            format!("worst {worst:.2} u, allowed {allowed}"),
+        ));
         let mut observed = vec![0_u64; 256];
         let skip = HARD_UNITS.len() * HARD_UNITS.len();
         for p in x.chunks(width).skip(skip) {
@@ -253,7 +254,8 @@ fn flat(
     // The density of the disk integrates to one over a square around it.
     let side = 1000;
     let grid = |i: usize| (2.0 * (i as f64 + 0.5) / f64::from(side) - 1.0) as f32;
-    let points: Vec<f32> = (0..side as usize).flat_map(|i| (0..side as usize).flat_map(move |j| [grid(i), grid(j)])).collect();
+    let points: Vec<f32> =
+        (0..side as usize).flat_map(|i| (0..side as usize).flat_map(move |j| [grid(i), grid(j)])).collect();
     let pdf = map(backend, Kernel::PdfDisk, &points)?;
     let sum: f64 = pdf.iter().map(|p| f64::from(*p)).sum::<f64>() * 4.0 / f64::from(side * side);
     out.push(("trio/disk/integral".into(), (sum - 1.0).abs() <= INTEGRAL, format!("integral {sum:.6}")));
@@ -274,10 +276,38 @@ fn scatterers() -> Vec<Scatterer> {
     let up = [0.0, 0.0, 1.0];
     let tilted = [0.6, 0.0, 0.8];
     vec![
-        Scatterer { name: "diffuse", albedo: [0.9, 0.5, 0.1], specular: [0.0; 3], exponent: 0.0, n: tilted, wo: up },
-        Scatterer { name: "phong", albedo: [0.0; 3], specular: [0.7, 0.8, 0.9], exponent: 10.0, n: up, wo: tilted },
-        Scatterer { name: "phong_normal", albedo: [0.0; 3], specular: [1.0; 3], exponent: 20.0, n: up, wo: up },
-        Scatterer { name: "both", albedo: [0.2, 0.3, 0.4], specular: [0.5, 0.4, 0.1], exponent: 5.0, n: tilted, wo: up },
+        Scatterer {
+            name: "diffuse",
+            albedo: [0.9, 0.5, 0.1],
+            specular: [0.0; 3],
+            exponent: 0.0,
+            n: tilted,
+            wo: up,
+        },
+        Scatterer {
+            name: "phong",
+            albedo: [0.0; 3],
+            specular: [0.7, 0.8, 0.9],
+            exponent: 10.0,
+            n: up,
+            wo: tilted,
+        },
+        Scatterer {
+            name: "phong_normal",
+            albedo: [0.0; 3],
+            specular: [1.0; 3],
+            exponent: 20.0,
+            n: up,
+            wo: up,
+        },
+        Scatterer {
+            name: "both",
+            albedo: [0.2, 0.3, 0.4],
+            specular: [0.5, 0.4, 0.1],
+            exponent: 5.0,
+            n: tilted,
+            wo: up,
+        },
     ]
 }
 
@@ -292,7 +322,8 @@ fn scatter(
     const ROWS: usize = 32;
     const COLUMNS: usize = 32;
     const FINE: usize = 8;
-    let head: Vec<f32> = [s.albedo, s.specular].as_flattened().iter().copied().chain([s.exponent, 0.0]).collect();
+    let head: Vec<f32> =
+        [s.albedo, s.specular].as_flattened().iter().copied().chain([s.exponent, 0.0]).collect();
     let frame: Vec<f32> = [s.n, s.wo].as_flattened().to_vec();
     let mut r = Random::new(0x5ca7);
     let items: Vec<f32> = (0..count)

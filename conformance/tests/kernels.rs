@@ -8,18 +8,29 @@ use etendue_core::backend::Backend;
 use etendue_core::kernel::Kernel;
 
 fn hold(count: usize) {
-    let rows: Vec<_> =
-        Kernel::ALL.iter().map(|k| measure(&ReferenceBackend, *k, count).expect("the reference has all")).collect();
+    let rows: Vec<_> = Kernel::ALL
+        .iter()
+        .map(|k| measure(&ReferenceBackend, *k, count).expect("the reference has all"))
+        .collect();
     println!("{}", markdown(&ReferenceBackend.info(), &rows));
     let wrong: Vec<String> = rows
         .iter()
         .filter(|r| !r.passes(true))
         .map(|r| {
             let at = r.at.as_ref().map(|b| {
-                let f = |w: &[u32]| w.iter().map(|x| format!("{:?}", f32::from_bits(*x))).collect::<Vec<_>>().join(" ");
+                let f = |w: &[u32]| {
+                    w.iter().map(|x| format!("{:?}", f32::from_bits(*x))).collect::<Vec<_>>().join(" ")
+                };
                 format!("constants [{}] item [{}]", f(&b.constants[..b.constants.len().min(24)]), f(&b.items))
             });
-            format!("{}: worst {} undecided {}/{} at {}", r.kernel.name(), r.worst, r.undecided, r.cases, at.unwrap_or_default())
+            format!(
+                "{}: worst {} undecided {}/{} at {}",
+                r.kernel.name(),
+                r.worst,
+                r.undecided,
+                r.cases,
+                at.unwrap_or_default()
+            )
         })
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -46,7 +57,9 @@ fn every_kernel_has_inputs_a_truth_and_a_reason() {
         let items: usize = batches.iter().map(|b| b.items.len() / shape.item).sum();
         assert!(items >= 50, "{} has {items} inputs", k.name());
         for b in &batches {
-            assert!(k.check(&b.constants, &b.items, &vec![0; b.items.len() / shape.item * shape.out]).is_ok());
+            assert!(
+                k.check(&b.constants, &b.items, &vec![0; b.items.len() / shape.item * shape.out]).is_ok()
+            );
         }
     }
 }

@@ -8,14 +8,23 @@ use etendue_cpu::CpuBackend;
 fn hold(backend: &dyn Backend, level: Level) {
     let mut failures = String::new();
     let summary = run(backend, level, &mut |r| {
-        let line = format!("{} {} ({:.2} s): {}", if r.passed { "ok    " } else { "FAILED" }, r.name, r.seconds, r.detail);
+        let line = format!(
+            "{} {} ({:.2} s): {}",
+            if r.passed { "ok    " } else { "FAILED" },
+            r.name,
+            r.seconds,
+            r.detail
+        );
         println!("{line}");
         if !r.passed {
             failures.push_str(&line);
             failures.push('\n');
         }
     });
-    println!("{} passed, {} failed, {} skipped, {:.1} s", summary.passed, summary.failed, summary.skipped, summary.seconds);
+    println!(
+        "{} passed, {} failed, {} skipped, {:.1} s",
+        summary.passed, summary.failed, summary.skipped, summary.seconds
+    );
     assert!(summary.ok() && summary.skipped == 0, "{failures}");
 }
 

@@ -10,9 +10,7 @@ fn constants(kernel: Kernel) -> Vec<u32> {
     match kernel {
         Kernel::SampleBitmap => vec![1, 1, 0x00ff_ffff],
         Kernel::CdfPick | Kernel::CdfPmf => vec![0, 1 << 31],
-        Kernel::SampleParallelogram | Kernel::InvertParallelogram => {
-            [0, 0, 0, one, 0, 0, 0, one, 0].to_vec()
-        }
+        Kernel::SampleParallelogram | Kernel::InvertParallelogram => [0, 0, 0, one, 0, 0, 0, one, 0].to_vec(),
         Kernel::CameraRay => {
             let mut c = vec![one; 16];
             (c[11], c[15]) = (4, 4);
@@ -43,6 +41,10 @@ fn every_kernel_answers_some_item_and_overwrites_its_output() {
             match kernel {
                 Kernel::CdfPmf => item[0] = k,
                 Kernel::RoundShape => item[7] = k % 2,
+                // A box around the origin of a long ray.
+                Kernel::Slab => {
+                    item[6..].copy_from_slice(&[9.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0_f32].map(f32::to_bits))
+                }
                 _ => {}
             }
             let mut out = vec![0xdead_beef; shape.out];

@@ -24,9 +24,10 @@ fn near_mirror(n: [f32; 3], wo: [f32; 3], r: &mut Random) -> [f32; 3] {
     let cos: f64 = (0..3).map(|i| f64::from(n[i]) * f64::from(wo[i])).sum();
     let spread = f64::from(r.log_range(1e-3, 1.0));
     let jitter = r.direction();
-    normalized([0, 1, 2].map(|i| {
-        (2.0 * cos * f64::from(n[i]) - f64::from(wo[i]) + spread * f64::from(jitter[i])) as f32
-    }))
+    normalized(
+        [0, 1, 2]
+            .map(|i| (2.0 * cos * f64::from(n[i]) - f64::from(wo[i]) + spread * f64::from(jitter[i])) as f32),
+    )
 }
 
 fn normal(r: &mut Random) -> [f32; 3] {
@@ -76,7 +77,7 @@ pub(super) fn scattering(kernel: Kernel, count: usize, r: &mut Random) -> Vec<u3
                 items.push(u32::from(r.below(8) == 0));
                 put(&mut items, [n, wo].as_flattened());
                 if kernel == K::SampleLobes {
-                    put(&mut items, &[u[0], u[1], if i < 9 { HARD_UNITS[i] } else { r.unit() }]);
+                    put(&mut items, &[u[0], u[1], HARD_UNITS.get(i).copied().unwrap_or_else(|| r.unit())]);
                 } else {
                     put(&mut items, &wi);
                 }
@@ -136,7 +137,11 @@ fn records(r: &mut Random) -> Vec<Record> {
             let disk = (pi * f64::from(radius) * f64::from(radius)) as f32;
             list.push(match kind {
                 0 => base,
-                1 => Record { edge1: n, params: [r.range(-0.5, 0.5) as f32, r.range(0.6, 0.99) as f32], ..base },
+                1 => Record {
+                    edge1: n,
+                    params: [r.range(-0.5, 0.5) as f32, r.range(0.6, 0.99) as f32],
+                    ..base
+                },
                 2 => Record { normal: n, ..base },
                 3 | 4 => {
                     let (a, b) = (r.direction(), r.direction());

@@ -71,8 +71,11 @@ fn furnace_view() -> Case {
 /// Mirrors of reflectance r that emit 1 each show 1 / (1 - r) along every ray.
 fn mirror_room() -> Case {
     let mirror = material("wall", MaterialKind::Mirror { albedo: Reflectance::flat([0.7, 0.5, 0.2]) }, 1.0);
-    let scene =
-        SceneDesc { meshes: vec![room([0.0; 3], 1.0, "wall")], materials: vec![mirror], ..SceneDesc::default() };
+    let scene = SceneDesc {
+        meshes: vec![room([0.0; 3], 1.0, "wall")],
+        materials: vec![mirror],
+        ..SceneDesc::default()
+    };
     let e = [0.7_f32, 0.5, 0.2].map(|r| PI / (1.0 - f64::from(r)));
     Case {
         name: "mirror_room".into(),

@@ -43,9 +43,7 @@ pub fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>, material: &str) 
 
 /// A cube with its front inside, as a mesh of twelve triangles: corners at +-`half` about `center`.
 pub fn room(center: [f32; 3], half: f32, material: &str) -> MeshDesc {
-    let corner = |i: usize| {
-        [0, 1, 2].map(|k| center[k] + if (i >> k) & 1 == 1 { half } else { -half })
-    };
+    let corner = |i: usize| [0, 1, 2].map(|k| center[k] + if (i >> k) & 1 == 1 { half } else { -half });
     // Each face counter-clockwise seen from inside; corner i has bit k set where axis k is high.
     let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3_u32]];
     let triangles = faces.iter().flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect();

@@ -9,7 +9,14 @@ use std::f64::consts::PI;
 const UP: [f32; 3] = [0.0, 0.0, 1.0];
 
 pub(super) fn cases() -> Vec<Case> {
-    let mut all = vec![white_furnace(), tinted_mirror(), open_floor(), half_open_floor(), light_over_floor(), coincident()];
+    let mut all = vec![
+        white_furnace(),
+        tinted_mirror(),
+        open_floor(),
+        half_open_floor(),
+        light_over_floor(),
+        coincident(),
+    ];
     for n in [1.0, 10.0, 100.0] {
         all.push(phong_albedo(n));
     }
@@ -18,7 +25,14 @@ pub(super) fn cases() -> Vec<Case> {
     all
 }
 
-fn case(name: impl Into<String>, source: &'static str, scene: SceneDesc, measure: Measure, truth: Vec<[f64; 3]>, samples: u32) -> Case {
+fn case(
+    name: impl Into<String>,
+    source: &'static str,
+    scene: SceneDesc,
+    measure: Measure,
+    truth: Vec<[f64; 3]>,
+    samples: u32,
+) -> Case {
     Case {
         name: name.into(),
         source,
@@ -48,7 +62,14 @@ fn white_furnace() -> Case {
         ..SceneDesc::default()
     };
     scene.camera = Some(camera([0.5, -5.0, 2.5], [0.0, 0.0, 0.8], 60.0, [8, 6]));
-    let mut c = case("white_furnace", "conservation of energy: L = 1", scene, Measure::Pixels, vec![[1.0; 3]; 48], 1024);
+    let mut c = case(
+        "white_furnace",
+        "conservation of energy: L = 1",
+        scene,
+        Measure::Pixels,
+        vec![[1.0; 3]; 48],
+        1024,
+    );
     c.rounding = 2e-5;
     // Where the balls stand on the floor paths are long and end by roulette.
     c.power = 0.01;
@@ -57,7 +78,8 @@ fn white_furnace() -> Case {
 
 /// A mirror of reflectance r in a constant environment shows r.
 fn tinted_mirror() -> Case {
-    let mirror = material("mirror", MaterialKind::Mirror { albedo: Reflectance::flat([0.9, 0.5, 0.25]) }, 0.0);
+    let mirror =
+        material("mirror", MaterialKind::Mirror { albedo: Reflectance::flat([0.9, 0.5, 0.25]) }, 0.0);
     let mut scene = SceneDesc {
         shapes: vec![sphere([0.0; 3], 1.0, "mirror")],
         materials: vec![mirror],
@@ -94,7 +116,11 @@ fn half_open_floor() -> Case {
         shapes: vec![
             floor(0.0, 1000.0, "grey"),
             shape(
-                ShapeKind::Rectangle { center: [0.0, 0.0, 1000.0], u: [0.0, 1000.0, 0.0], v: [0.0, 0.0, 1000.0] },
+                ShapeKind::Rectangle {
+                    center: [0.0, 0.0, 1000.0],
+                    u: [0.0, 1000.0, 0.0],
+                    v: [0.0, 0.0, 1000.0],
+                },
                 "black",
             ),
         ],
@@ -102,10 +128,7 @@ fn half_open_floor() -> Case {
         lights: vec![environment(1.0)],
         ..SceneDesc::default()
     };
-    let list = vec![
-        (probe([1e-3, 0.0, 0.0], UP), 0.5 * PI),
-        (probe([-1e-3, 10.0, 0.0], UP), 0.5 * PI),
-    ];
+    let list = vec![(probe([1e-3, 0.0, 0.0], UP), 0.5 * PI), (probe([-1e-3, 10.0, 0.0], UP), 0.5 * PI)];
     let mut c = probes("half_open_floor", "E = pi L / 2 beside a tall wall", scene, list, u32::MAX, 4096);
     c.rounding = 1e-5;
     c
@@ -120,7 +143,14 @@ fn light_over_floor() -> Case {
         ..SceneDesc::default()
     };
     scene.camera = Some(camera([0.0, -3.0, 3.0], [0.0; 3], 0.01, [2, 2]));
-    let mut c = case("light_over_floor", "L = rho I / (pi h^2)", scene, Measure::Pixels, vec![[0.5 * 2.0 / PI; 3]; 4], 64);
+    let mut c = case(
+        "light_over_floor",
+        "L = rho I / (pi h^2)",
+        scene,
+        Measure::Pixels,
+        vec![[0.5 * 2.0 / PI; 3]; 4],
+        64,
+    );
     c.rounding = 1e-5;
     c
 }
@@ -135,7 +165,14 @@ fn coincident() -> Case {
         ..SceneDesc::default()
     };
     scene.camera = Some(camera([0.3, -2.0, 2.0], [0.0; 3], 20.0, [4, 4]));
-    let mut c = case("coincident_surfaces", "ties go to the lower primitive", scene, Measure::Pixels, vec![[1.0; 3]; 16], 16);
+    let mut c = case(
+        "coincident_surfaces",
+        "ties go to the lower primitive",
+        scene,
+        Measure::Pixels,
+        vec![[1.0; 3]; 16],
+        16,
+    );
     c.max_depth = 1;
     c
 }
@@ -154,7 +191,14 @@ fn phong_albedo(n: f32) -> Case {
     scene.camera = Some(view);
     let albedo = (f64::from(n) + 1.0) / (f64::from(n) + 2.0);
     let truth = [1.0, 0.5, 0.25].map(|s| s * albedo);
-    let mut c = case(format!("phong_albedo_{n}"), "closed form: (n+1)/(n+2)", scene, Measure::Pixels, vec![truth; 4], 2048);
+    let mut c = case(
+        format!("phong_albedo_{n}"),
+        "closed form: (n+1)/(n+2)",
+        scene,
+        Measure::Pixels,
+        vec![truth; 4],
+        2048,
+    );
     // Half an angle of 1e-4 off the normal, and the power function.
     c.rounding = 1e-5;
     c
@@ -188,7 +232,14 @@ fn texture_mean() -> Case {
     let mut view = camera([0.0, 0.0, 1.0], [0.0; 3], 90.0, [12, 12]);
     view.up = [0.0, 1.0, 0.0];
     scene.camera = Some(view);
-    let mut c = case("texture_mean", "mean of the decoded texels (IEC 61966-2-1)", scene, Measure::ImageMean, vec![truth], 1024);
+    let mut c = case(
+        "texture_mean",
+        "mean of the decoded texels (IEC 61966-2-1)",
+        scene,
+        Measure::ImageMean,
+        vec![truth],
+        1024,
+    );
     // Rays at the very rim may pass the square: 2^-24 of the image.
     c.rounding = 1e-5;
     c
@@ -218,8 +269,22 @@ fn shading_normals() -> Vec<Case> {
     let lit = [0.8 / PI * 8.0 * cos / 4.0; 3];
     let sky = [0.8 * (1.0 + cos) / 2.0; 3];
     let mut out = vec![
-        case("shading_normal_point", "rho I cos_s / (pi h^2)", scene(point_light([0.0, 0.0, 2.0], 8.0)), Measure::Pixels, vec![lit; 4], 64),
-        case("shading_normal_sky", "rho (1 + cos) / 2", scene(environment(1.0)), Measure::Pixels, vec![sky; 4], 4096),
+        case(
+            "shading_normal_point",
+            "rho I cos_s / (pi h^2)",
+            scene(point_light([0.0, 0.0, 2.0], 8.0)),
+            Measure::Pixels,
+            vec![lit; 4],
+            64,
+        ),
+        case(
+            "shading_normal_sky",
+            "rho (1 + cos) / 2",
+            scene(environment(1.0)),
+            Measure::Pixels,
+            vec![sky; 4],
+            4096,
+        ),
     ];
     for c in &mut out {
         c.rounding = 1e-4;

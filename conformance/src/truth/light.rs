@@ -28,7 +28,17 @@ fn record(constants: &[u32]) -> Light {
     c.word();
     let (pmf, area, point, params) = (c.real(), c.real(), c.vec3(), [c.real(), c.real()]);
     c.vec3();
-    Light { kind, pmf, area, point, params, radiance: c.vec3(), edge1: c.vec3(), edge2: c.vec3(), normal: c.vec3() }
+    Light {
+        kind,
+        pmf,
+        area,
+        point,
+        params,
+        radiance: c.vec3(),
+        edge1: c.vec3(),
+        edge2: c.vec3(),
+        normal: c.vec3(),
+    }
 }
 
 pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Answer {
@@ -85,7 +95,11 @@ fn sample(l: &Light, p: V, u: [f64; 2]) -> Answer {
                 u
             } else {
                 // Heitz 2019: fold the square along its diagonal.
-                let b = if u[0] < u[1] { [0.5 * u[0], u[1] - 0.5 * u[0]] } else { [u[0] - 0.5 * u[1], 0.5 * u[1]] };
+                let b = if u[0] < u[1] {
+                    [0.5 * u[0], u[1] - 0.5 * u[0]]
+                } else {
+                    [u[0] - 0.5 * u[1], 0.5 * u[1]]
+                };
                 [b[1], 1.0 - b[0] - b[1]]
             };
             let x = vec::add(l.point, vec::add(vec::mul(l.edge1, s), vec::mul(l.edge2, t)));
@@ -227,10 +241,8 @@ fn camera(constants: &[u32], r: &mut Words<'_>) -> Answer {
     let mut scale = 1.0 + vec::length(right) + vec::length(up);
     if lens_radius > 0.0 {
         let [dx, dy] = warp::concentric(lens).0;
-        let shift = vec::add(
-            vec::mul(vec::unit(right), dx * lens_radius),
-            vec::mul(vec::unit(up), dy * lens_radius),
-        );
+        let shift =
+            vec::add(vec::mul(vec::unit(right), dx * lens_radius), vec::mul(vec::unit(up), dy * lens_radius));
         let meet = vec::mul(toward, focus);
         let aim = vec::sub(meet, shift);
         scale *= 1.0 + (vec::length(meet) + lens_radius) / vec::length(aim);
@@ -291,9 +303,12 @@ pub(super) fn image(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
         [word, word >> 8, word >> 16].map(decode)
     };
     let mut out = [0.0; 3];
-    for (dx, dy, w) in
-        [(0.0, 0.0, (1.0 - fx) * (1.0 - fy)), (1.0, 0.0, fx * (1.0 - fy)), (0.0, 1.0, (1.0 - fx) * fy), (1.0, 1.0, fx * fy)]
-    {
+    for (dx, dy, w) in [
+        (0.0, 0.0, (1.0 - fx) * (1.0 - fy)),
+        (1.0, 0.0, fx * (1.0 - fy)),
+        (0.0, 1.0, (1.0 - fx) * fy),
+        (1.0, 1.0, fx * fy),
+    ] {
         let c = texel(x + dx, y + dy);
         for i in 0..3 {
             out[i] += w * c[i];

@@ -62,7 +62,13 @@ impl Backend for TracerBackend {
         }
         Ok(Box::new(TracerSession { scene, fault: self.fault }))
     }
-    fn map(&self, kernel: Kernel, constants: &[u32], items: &[u32], out: &mut [u32]) -> Result<(), BackendError> {
+    fn map(
+        &self,
+        kernel: Kernel,
+        constants: &[u32],
+        items: &[u32],
+        out: &mut [u32],
+    ) -> Result<(), BackendError> {
         ReferenceBackend.map(kernel, constants, items, out)
     }
 }
@@ -88,9 +94,10 @@ impl Rays<'_> {
                     .filter_map(|id| self.primitives.intersect(id, &prepared, ray.t_max))
                     .reduce(|a, b| if b.t <= a.t { b } else { a })
             }
-            Some(Fault::EdgesMissed) => self.tree.closest_hit(ray).filter(|h| {
-                h.b1 > 1.0 / 300.0 && h.b2 > 1.0 / 300.0 && h.b1 + h.b2 < 1.0 - 1.0 / 300.0
-            }),
+            Some(Fault::EdgesMissed) => self
+                .tree
+                .closest_hit(ray)
+                .filter(|h| h.b1 > 1.0 / 300.0 && h.b2 > 1.0 / 300.0 && h.b1 + h.b2 < 1.0 - 1.0 / 300.0),
             _ => self.tree.closest_hit(ray),
         }
     }
@@ -267,7 +274,12 @@ impl Session for TracerSession {
         &[]
     }
 
-    fn path_image(&self, job: &PathJob, control: &dyn Control, film: &mut Film) -> Result<JobStats, BackendError> {
+    fn path_image(
+        &self,
+        job: &PathJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
         let expected = backend::image_film_settings(&self.scene, job)?;
         check_job(&self.scene, job, film, &expected)?;
         let camera = self.scene.camera.ok_or(BackendError::NoCamera)?;

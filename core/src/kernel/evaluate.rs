@@ -51,12 +51,7 @@ impl Reader<'_> {
     }
 
     fn lobes(&mut self) -> Lobes {
-        Lobes {
-            albedo: self.vec3(),
-            specular: self.vec3(),
-            exponent: self.float(),
-            mirror: self.word() != 0,
-        }
+        Lobes { albedo: self.vec3(), specular: self.vec3(), exponent: self.float(), mirror: self.word() != 0 }
     }
 
     /// A record of the compiled scene, word by word.
@@ -188,9 +183,7 @@ fn one(kernel: Kernel, shared: &Shared<'_>, mut r: Reader<'_>, w: &mut Writer<'_
         K::Triangle => {
             let ray = r.ray();
             let vertices = [r.vec3(), r.vec3(), r.vec3()];
-            if let Some(hit) =
-                geometry::intersect_triangle(&PreparedRay::new(&ray), vertices, ray.t_max)
-            {
+            if let Some(hit) = geometry::intersect_triangle(&PreparedRay::new(&ray), vertices, ray.t_max) {
                 w.word(1);
                 w.floats([hit.t, hit.b1, hit.b2]);
             }

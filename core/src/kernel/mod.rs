@@ -208,7 +208,8 @@ impl Kernel {
         let wrong = |slice, found, expected| {
             Err(BackendError::WrongLength { kernel: self.name(), slice, found, expected })
         };
-        let fits = |found: usize| if shape.open { found >= shape.constants } else { found == shape.constants };
+        let fits =
+            |found: usize| if shape.open { found >= shape.constants } else { found == shape.constants };
         if !fits(constants.len()) {
             return wrong("constants", constants.len(), shape.constants);
         }
