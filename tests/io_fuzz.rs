@@ -1,4 +1,4 @@
-//! Random and mutated bytes: readers return, whatever they are given.
+//! Random and mutated bytes: readers return, whatever they are given. `PROPTEST_CASES=50000` for a long run.
 #![cfg(feature = "io")]
 
 use std::path::Path;
@@ -133,7 +133,7 @@ fn binary() -> Vec<Vec<u8>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_bytes_do_no_harm(bytes in prop::collection::vec(any::<u8>(), 0..400)) {

@@ -68,8 +68,7 @@ fn images_of_the_wrong_length_are_not_written() {
 /// Bytes of an EXR with the given channels, 2 x 1 pixels each.
 fn foreign(layer: Option<&str>, channels: Vec<(&str, x::FlatSamples)>) -> Vec<u8> {
     let list = channels.into_iter().map(|(name, s)| x::AnyChannel::new(name, s)).collect();
-    let mut attributes = x::LayerAttributes::default();
-    attributes.layer_name = layer.map(x::Text::from);
+    let attributes = x::LayerAttributes { layer_name: layer.map(x::Text::from), ..Default::default() };
     let layer = x::Layer::new((2, 1), attributes, x::Encoding::SMALL_LOSSLESS, x::AnyChannels::sort(list));
     let mut out = std::io::Cursor::new(Vec::new());
     x::Image::from_layer(layer).write().non_parallel().to_buffered(&mut out).unwrap();

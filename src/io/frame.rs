@@ -3,7 +3,9 @@
 use etendue_core::scene::{CameraDesc, MeshDesc};
 
 /// Field of view of a framed camera, both ways \[degrees\].
-pub(crate) const FRAMED_FOV_DEG: f64 = 40.0;
+const FOV_DEG: f32 = 40.0;
+/// The tangent of half of that.
+const TAN_HALF_FOV: f64 = 0.363_970_234_266_202_4;
 
 /// Looks along -z at the centre of the bounding box, from so far in front of its nearest face that the face
 /// fills 1/1.05 of the picture in the wider direction; up is +y.
@@ -21,7 +23,7 @@ pub(crate) fn frame(mesh: &MeshDesc) -> CameraDesc {
     }
     let center = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
     let half = [0, 1, 2].map(|k| 0.5 * (high[k] - low[k]));
-    let mut distance = 1.05 * half[0].max(half[1]) / (FRAMED_FOV_DEG / 2.0).to_radians().tan();
+    let mut distance = 1.05 * half[0].max(half[1]) / TAN_HALF_FOV;
     if distance == 0.0 {
         distance = 1.0;
     }
@@ -33,7 +35,7 @@ pub(crate) fn frame(mesh: &MeshDesc) -> CameraDesc {
         position,
         look_at: center.map(|x| x as f32),
         up: [0.0, 1.0, 0.0],
-        fov_x_deg: FRAMED_FOV_DEG as f32,
+        fov_x_deg: FOV_DEG,
         resolution: [256, 256],
         lens_radius: 0.0,
         focus_distance: 0.0,

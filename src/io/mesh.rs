@@ -74,7 +74,10 @@ impl<'a> Loader<'a> {
             Found::Exact(path) => Some(path),
             Found::OtherCase(path) => {
                 let message = format!("{} was found as {} (letter case)", quoted(name), path.display());
-                self.note(by, Some(line), message);
+                // Once per file, however often it says that name.
+                if !self.notes.iter().any(|n| n.file == by && n.message == message) {
+                    self.note(by, Some(line), message);
+                }
                 Some(path)
             }
             Found::Missing => None,

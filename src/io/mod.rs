@@ -12,10 +12,6 @@
 //! [`FileSource`], so that tests and fuzzers need no disk.
 //!
 //! Output appears whole or not at all, and the same value gives the same bytes.
-#![allow(
-    clippy::disallowed_methods,
-    reason = "parsing and framing only: no number made here is compared with a shader's"
-)]
 
 mod atomic;
 mod bitmap;

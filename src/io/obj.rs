@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::error::{LoadError, Note, Problem, quoted};
-use super::polygon::{MAX_CORNERS, Triangulator};
+use super::polygon::Triangulator;
 
 /// The triangles of an OBJ file, and the names of what its materials need.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,6 +81,7 @@ impl Tally {
 
 const THIN: &str = "faces with fewer than three corners, dropped";
 const DEGENERATE: &str = "faces without area, dropped";
+const CROSSING: &str = "faces that cross themselves, cut as well as can be";
 const NOT_SURFACES: &str = "lines and points, left out because they are no surfaces";
 const FREE_FORM: &str = "statements of free-form curves and surfaces, left out";
 const COLOURS: &str = "vertices with colours, which are ignored";
@@ -156,14 +157,6 @@ pub fn parse_obj(bytes: &[u8], file: &Path) -> Result<Obj, LoadError> {
                     raw.corners.push(corner.map_err(|e| e.field("face"))?);
                 }
                 let corners = raw.corners.len() - first;
-                if corners > MAX_CORNERS {
-                    let problem = Problem::TooLarge {
-                        what: "corners of one face",
-                        found: corners as u64,
-                        limit: MAX_CORNERS as u64,
-                    };
-                    return Err(LoadError::new(file, problem).at(line).field("face"));
-                }
                 if corners < 3 {
                     tally.add(THIN, line);
                     raw.corners.truncate(first);
@@ -288,6 +281,10 @@ impl Raw {
                 obj.triangles.push(triangle);
                 obj.face_materials.push(face.material);
             });
+            let has_area = has_area.map_err(|p| LoadError::new(file, p).at(face.line).field("face"))?;
+            if triangulator.crossing {
+                tally.add(CROSSING, face.line);
+            }
             if !has_area {
                 tally.add(DEGENERATE, face.line);
             }

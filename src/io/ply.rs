@@ -13,7 +13,7 @@ use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult}
 
 use super::atomic::write_whole;
 use super::error::{LoadError, Note, Problem, SaveError};
-use super::polygon::{MAX_CORNERS, Triangulator};
+use super::polygon::Triangulator;
 
 /// Any element: PLY has one record type per file position, and the crate reads them all alike.
 #[derive(Default)]
@@ -150,17 +150,13 @@ fn build(
     let mut triangulator = Triangulator::new();
     let mut outline = Vec::new();
     let mut dropped = 0;
+    let mut crossing = 0;
     for (i, face) in faces.iter().enumerate() {
         let fail = |found: String, expected: &str| {
             Err(LoadError::unexpected(file, found, expected).field(format!("face {i}")))
         };
         if face.bad_corners {
             return fail("an index that is not a whole number from 0".into(), "indices of vertices");
-        }
-        if face.corners.len() > MAX_CORNERS {
-            let (found, limit) = (face.corners.len() as u64, MAX_CORNERS as u64);
-            let err = LoadError::new(file, Problem::TooLarge { what: "corners of one face", found, limit });
-            return Err(err.field(format!("face {i}")));
         }
         outline.clear();
         for &corner in &face.corners {
@@ -172,11 +168,18 @@ fn build(
                 }
             }
         }
-        let has_area = triangulator.cut(&outline, |t| mesh.triangles.push(t.map(|k| face.corners[k])));
+        let has_area = triangulator
+            .cut(&outline, |t| mesh.triangles.push(t.map(|k| face.corners[k])))
+            .map_err(|p| LoadError::new(file, p).field(format!("face {i}")))?;
         dropped += usize::from(!has_area);
+        crossing += usize::from(triangulator.crossing);
     }
     if dropped > 0 {
         let message = format!("{dropped} faces without area, dropped");
+        notes.push(Note::new(file, None, message));
+    }
+    if crossing > 0 {
+        let message = format!("{crossing} faces that cross themselves, cut as well as can be");
         notes.push(Note::new(file, None, message));
     }
     Ok(mesh)

@@ -7,26 +7,40 @@
 
 use earcut::Earcut;
 
-/// More corners than that are refused: ear clipping is quadratic at worst.
-pub(crate) const MAX_CORNERS: usize = 10_000;
+use super::error::Problem;
 
-/// Cuts faces; keeps its buffers between them.
+/// Ear clipping is quadratic at worst (on outlines that cross themselves everywhere), so that a small file
+/// could keep it busy for minutes. This bounds the sum over one file of squared corner counts of concave
+/// faces: one face of 5000 corners, a few tenths of a second.
+const MAX_WORK: u64 = 25_000_000;
+/// Concave faces of no more corners than this are cheap and do not count.
+const SMALL: usize = 64;
+
+/// Cuts the faces of one file; keeps its buffers between them.
 pub(crate) struct Triangulator {
     earcut: Earcut<f64>,
     flat: Vec<[f64; 2]>,
     cut: Vec<u32>,
+    work: u64,
+    /// The last face crosses itself: no set of triangles is the right one.
+    pub(crate) crossing: bool,
 }
 
 impl Triangulator {
     pub(crate) fn new() -> Self {
-        Self { earcut: Earcut::new(), flat: Vec::new(), cut: Vec::new() }
+        Self { earcut: Earcut::new(), flat: Vec::new(), cut: Vec::new(), work: 0, crossing: false }
     }
 
     /// Calls `emit` with three corner numbers per triangle; `corners` are positions, all finite.
-    /// Returns false, and emits nothing, when the face has no area.
-    pub(crate) fn cut(&mut self, corners: &[[f32; 3]], mut emit: impl FnMut([usize; 3])) -> bool {
+    /// Says false, and emits nothing, when the face has no area.
+    pub(crate) fn cut(
+        &mut self,
+        corners: &[[f32; 3]],
+        mut emit: impl FnMut([usize; 3]),
+    ) -> Result<bool, Problem> {
+        self.crossing = false;
         if corners.len() < 3 {
-            return false;
+            return Ok(false);
         }
         if corners.len() == 3 {
             // Whether so thin a triangle is worth keeping is the compiler's decision, for all sources alike.
@@ -35,14 +49,14 @@ impl Triangulator {
             if distinct {
                 emit([0, 1, 2]);
             }
-            return distinct;
+            return Ok(distinct);
         }
         let normal = newell(corners);
         // The two axes that the normal leans on least span the projection; their order keeps the sense.
         let axis = (0..3).fold(0, |best, i| if normal[i].abs() > normal[best].abs() { i } else { best });
         let size = normal[axis];
         if size == 0.0 || !size.is_finite() {
-            return false;
+            return Ok(false);
         }
         let (x, y) = ((axis + 1) % 3, (axis + 2) % 3);
         let sign = if size > 0.0 { 1.0 } else { -1.0 };
@@ -52,15 +66,26 @@ impl Triangulator {
             for i in 1..corners.len() - 1 {
                 emit([0, i, i + 1]);
             }
-            return true;
+            return Ok(true);
+        }
+        if corners.len() > SMALL {
+            self.work += (corners.len() as u64).pow(2);
+            if self.work > MAX_WORK {
+                let what = "squared corners of large concave faces";
+                return Err(Problem::TooLarge { what, found: self.work, limit: MAX_WORK });
+            }
         }
         self.earcut.earcut_slice(&self.flat, &[] as &[u32], &mut self.cut);
+        let mut covered = 0.0;
         for t in self.cut.chunks_exact(3) {
             let [i, j, k] = [t[0] as usize, t[1] as usize, t[2] as usize];
-            let flip = cross(self.flat[i], self.flat[j], self.flat[k]) < 0.0;
+            let twice_area = cross(self.flat[i], self.flat[j], self.flat[k]);
+            covered += twice_area.abs();
+            let flip = twice_area < 0.0;
             emit(if flip { [i, k, j] } else { [i, j, k] });
         }
-        !self.cut.is_empty()
+        self.crossing = (covered - size.abs()).abs() > 1e-6 * size.abs();
+        Ok(!self.cut.is_empty())
     }
 }
 
@@ -70,15 +95,13 @@ fn newell(corners: &[[f32; 3]]) -> [f64; 3] {
         let (c, o) = (corners[i], corners[0]);
         [0, 1, 2].map(|k| f64::from(c[k]) - f64::from(o[k]))
     };
-    let mut sum = [0.0; 3];
-    for i in 1..corners.len() - 1 {
+    (1..corners.len() - 1).fold([0.0; 3], |sum, i| {
         let (a, b) = (relative(i), relative(i + 1));
-        for k in 0..3 {
+        [0, 1, 2].map(|k| {
             let (u, v) = ((k + 1) % 3, (k + 2) % 3);
-            sum[k] += a[u] * b[v] - a[v] * b[u];
-        }
-    }
-    sum
+            sum[k] + (a[u] * b[v] - a[v] * b[u])
+        })
+    })
 }
 
 fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
@@ -115,6 +138,7 @@ fn is_convex(flat: &[[f64; 2]]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::disallowed_methods, reason = "truth in f64")]
     use super::*;
 
     fn area(corners: &[[f32; 3]], t: [usize; 3]) -> f64 {
@@ -123,7 +147,7 @@ mod tests {
 
     fn cut(corners: &[[f32; 3]]) -> Vec<[usize; 3]> {
         let mut out = Vec::new();
-        Triangulator::new().cut(corners, |t| out.push(t));
+        Triangulator::new().cut(corners, |t| out.push(t)).unwrap();
         out
     }
 
@@ -168,6 +192,19 @@ mod tests {
             .collect();
         let flat: Vec<[f64; 2]> = star.iter().map(|c| [f64::from(c[0]), f64::from(c[1])]).collect();
         assert!(!is_convex(&flat));
+    }
+
+    #[test]
+    fn only_faces_that_cross_themselves_are_called_crossing() {
+        let mut cutter = Triangulator::new();
+        let mut crossing = |corners: &[[f32; 3]]| {
+            cutter.cut(corners, |_| {}).unwrap();
+            cutter.crossing
+        };
+        let (a, b, c, d) = ([0.0, 0.0, 0.0], [4.0, 1.0, 0.0], [4.0, 4.0, 0.5], [0.5, 3.0, 0.0]);
+        assert!(crossing(&[a, [4.0, 4.0, 0.0], [4.0, 0.0, 0.0], [0.0, 2.0, 0.0]]), "a bow tie");
+        assert!(!crossing(&[a, b, c, d]));
+        assert!(!crossing(&[a, b, [1.0, 1.0, 0.0], d]), "an arrow head");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use etendue_core::math;
 use etendue_core::scene::{
     CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, Reflectance, ShapeDesc,
     ShapeKind,
@@ -59,6 +60,16 @@ fn kind_of(section: &Section<'_>, kinds: &[&'static str]) -> Result<&'static str
     section.required(kind, "kind", &format!("one of {}", kinds.join(", ")))
 }
 
+/// The horizontal field of view of a vertical one, with tan(x/2) = width/height tan(y/2). Through core's math,
+/// so that a scene file means the same bits everywhere.
+fn horizontal_fov_deg(y: f32, [width, height]: [u32; 2]) -> f32 {
+    if width == height {
+        return y;
+    }
+    let (sin, cos) = math::sin_cos(y.to_radians() / 2.0);
+    (2.0 * math::atan2(sin * (width as f32 / height as f32), cos)).to_degrees()
+}
+
 pub(crate) fn camera(s: &Section<'_>, names: &Names) -> Result<CameraDesc, LoadError> {
     let resolution = s.counts::<2>("resolution", 1..=MAX_RESOLUTION)?.unwrap_or([256, 256]);
     let fov_x_deg = match (s.number("fov_x_deg")?, s.number("fov_y_deg")?) {
@@ -68,8 +79,7 @@ pub(crate) fn camera(s: &Section<'_>, names: &Names) -> Result<CameraDesc, LoadE
             if !(y > 0.0 && y < 180.0) {
                 return Err(s.error(line, "fov_y_deg", y.to_string(), "an angle between 0 and 180 degrees"));
             }
-            let aspect = f64::from(resolution[0]) / f64::from(resolution[1]);
-            (2.0 * (aspect * (f64::from(y).to_radians() / 2.0).tan()).atan()).to_degrees() as f32
+            horizontal_fov_deg(y, resolution)
         }
         (Some(_), Some((_, line))) => {
             return Err(s.error(line, "fov_y_deg", "both fov_x_deg and fov_y_deg", "one of them"));

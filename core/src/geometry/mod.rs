@@ -23,7 +23,7 @@ pub use primitives::{BruteForce, Hit, Intersector, NO_PRIMITIVE, PrimitiveId, Pr
 pub use ray::{Aabb, PreparedRay, Ray, slab_entry};
 pub use shape::{DISK, RoundShape, SPHERE, bounds, intersect_shape, shape_normal};
 pub use surface::{
-    SurfacePoint, geometric_normal, hit_point, interpolate, offset_origin, segment, shape_point,
-    triangle_area,
+    SurfacePoint, geometric_normal, hit_point, hit_point_with, interpolate, offset_origin, segment,
+    shape_point, sliver_factor, triangle_area,
 };
 pub use triangle::{TriangleHit, intersect_triangle, triangle_bounds};

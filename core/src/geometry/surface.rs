@@ -132,14 +132,25 @@ pub fn interpolate(v: [Vec3; 3], b1: f32, b2: f32) -> Vec3 {
 /// Precondition as for [`interpolate`].
 #[inline]
 pub fn hit_point(v: [Vec3; 3], b1: f32, b2: f32) -> SurfacePoint {
-    let p = interpolate(v, b1, b2);
+    hit_point_with(v, b1, b2, sliver_factor(v))
+}
+
+/// By how much the extent of a triangle counts more because it is thin, 1 to 32: 0.2 longest^2 / (2 area).
+pub fn sliver_factor(v: [Vec3; 3]) -> f32 {
     let squared = |q: Vec3| q.dot(q);
-    let reach = squared(v[0] - p).max(squared(v[1] - p)).max(squared(v[2] - p));
     let (e1, e2, e3) = (v[1] - v[0], v[2] - v[0], v[2] - v[1]);
     let longest = squared(e1).max(squared(e2)).max(squared(e3));
     let sliver = 0.2 * longest / sqrt(squared(e1.cross(e2)));
     // The NaN of a degenerate triangle takes the largest factor.
-    let factor = if sliver < 32.0 { sliver.max(1.0) } else { 32.0 };
+    if sliver < 32.0 { sliver.max(1.0) } else { 32.0 }
+}
+
+/// As [`hit_point`], with the [`sliver_factor`] of the triangle at hand.
+#[inline]
+pub fn hit_point_with(v: [Vec3; 3], b1: f32, b2: f32, factor: f32) -> SurfacePoint {
+    let p = interpolate(v, b1, b2);
+    let squared = |q: Vec3| q.dot(q);
+    let reach = squared(v[0] - p).max(squared(v[1] - p)).max(squared(v[2] - p));
     SurfacePoint { position: p, extent: sqrt(reach) * factor }
 }
 

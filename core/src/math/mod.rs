@@ -35,7 +35,7 @@ pub use root_functions::{cbrt, sqrt, sqrt_clamped};
 pub use roots::{discriminant, quadratic_roots};
 pub use rounding::{abs, ceil, clamp, copysign, floor, fract, max, min, round, trunc};
 pub use sums::{Compensated, two_prod, two_sum};
-pub use trig::{cos, sin, sin_cos, tan};
+pub use trig::{cos, sin, sin_cos, sin_cos_quarter, tan};
 pub use vector::{
     from_local, max_component, mean, min_component, normalize_or, orthonormal_basis, reflect, to_local,
 };

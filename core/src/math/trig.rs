@@ -69,6 +69,14 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     (f32::from_bits(s ^ swap ^ sin_sign), f32::from_bits(c ^ swap ^ cos_sign))
 }
 
+/// (sin x, cos x) for |x| <= pi/4 (and an ulp), without reduction: the bits of [`sin_cos`] there.
+#[inline]
+#[must_use]
+pub fn sin_cos_quarter(x: f32) -> (f32, f32) {
+    let z = x * x;
+    (sin_reduced(x, 0.0, z), cos_reduced(x, 0.0, z))
+}
+
 /// sin x: the first value of [`sin_cos`], to the bit.
 #[inline]
 #[must_use]

@@ -1,7 +1,7 @@
 //! `SceneDesc -> CompiledScene`: names become indices, everything is checked once, lights are collected.
 
 use super::compiled::{
-    CompiledScene, MaterialRecord, MediumRecord, NO_INDEX, TextureRecord, TriangleRecord, material_flags,
+    CompiledScene, MaterialRecord, MediumRecord, NO_INDEX, SurfaceRecord, TextureRecord, material_flags,
 };
 use super::desc::{
     LightDesc, MaterialDesc, MaterialKind, MediumDesc, MeshDesc, Reflectance, SceneDesc, ShapeDesc,
@@ -10,7 +10,7 @@ use super::desc::{
 use super::error::{Cleanup, CompileReport, SceneError};
 use super::lights::{self, LightDraft};
 use super::needs::SceneNeeds;
-use crate::geometry::{Aabb, RoundShape, geometric_normal};
+use crate::geometry::{Aabb, RoundShape, geometric_normal, sliver_factor};
 use crate::math::{self, Vec3};
 use crate::sensor::Camera;
 use alloc::collections::BTreeMap;
@@ -77,7 +77,7 @@ struct Builder {
     medium_names: BTreeMap<String, u32>,
     lights: Vec<LightDraft>,
     /// Round shapes wait here until all triangles are in: as primitives they come last.
-    round: Vec<(RoundShape, TriangleRecord)>,
+    round: Vec<(RoundShape, SurfaceRecord)>,
     unsupported: Vec<String>,
     media_present: bool,
 }
@@ -308,7 +308,7 @@ impl Builder {
                 continue;
             }
             let material = materials[mesh.face_materials.get(i).copied().unwrap_or(0) as usize];
-            let record = TriangleRecord { material, light: NO_INDEX, media, flags };
+            let record = surface_record(material, media, flags);
             self.triangle(t, record, true);
         }
         self.report.count(Cleanup::DegenerateTriangles, degenerate);
@@ -376,19 +376,23 @@ impl Builder {
         }
     }
 
-    fn triangle(&mut self, t: [u32; 3], record: TriangleRecord, own_light: bool) {
+    fn triangle(&mut self, t: [u32; 3], mut record: SurfaceRecord, own_light: bool) {
         let primitive = self.out.triangles.len() as u32;
+        let corners = t.map(|v| Vec3::from_array(self.out.positions[v as usize]));
+        // Found non-degenerate by the callers.
+        record.normal = geometric_normal(corners).unwrap_or(Vec3::ZERO).to_array();
+        record.sliver = sliver_factor(corners);
         self.out.triangles.push(t);
         self.out.surfaces.push(record);
         let emission = self.out.materials[record.material as usize].emission;
         if own_light && emission != [0.0; 3] {
-            let [a, b, c] = t.map(|v| Vec3::from_array(self.out.positions[v as usize]));
+            let [a, b, c] = corners;
             self.lights.push(LightDraft::triangle(primitive, a, b - a, c - a, emission));
         }
     }
 
     /// A parallelogram as two triangles that are one light.
-    fn parallelogram(&mut self, corner: Vec3, e1: Vec3, e2: Vec3, record: TriangleRecord) {
+    fn parallelogram(&mut self, corner: Vec3, e1: Vec3, e2: Vec3, record: SurfaceRecord) {
         let base = self.out.positions.len() as u32;
         for p in [corner, corner + e1, corner + e1 + e2, corner + e2] {
             self.out.positions.push(p.to_array());
@@ -412,7 +416,7 @@ impl Builder {
         let place = format!("shape {index}");
         let media = self.media_word(&place, &shape.interior, &shape.exterior)?;
         let material = self.material_index(&place, &shape.material)?;
-        let record = TriangleRecord { material, light: NO_INDEX, media, flags: 0 };
+        let record = surface_record(material, media, 0);
         match &shape.kind {
             ShapeKind::Sphere { center, radius } => {
                 finite(&place, "center", center)?;
@@ -516,6 +520,11 @@ impl Builder {
         }
         out.needs = needs;
     }
+}
+
+/// A record that is no light yet, of a round shape until a triangle fills in its normal.
+fn surface_record(material: u32, media: u32, flags: u32) -> SurfaceRecord {
+    SurfaceRecord { material, light: NO_INDEX, media, flags, normal: [0.0; 3], sliver: 1.0 }
 }
 
 fn material_record(m: &MaterialDesc, textures: &BTreeMap<String, u32>) -> Result<MaterialRecord, SceneError> {

@@ -30,8 +30,8 @@ pub mod material_flags {
 
 /// What a primitive's surface is: one record per triangle, then one per round shape.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct TriangleRecord {
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct SurfaceRecord {
     /// Index of the material.
     pub material: u32,
     /// Index of the light that this primitive is (part of), or [`NO_INDEX`].
@@ -40,6 +40,10 @@ pub struct TriangleRecord {
     pub media: u32,
     /// [`material_flags::SHADING_NORMALS`] or 0.
     pub flags: u32,
+    /// Unit geometric normal of the front of a triangle; zero for round shapes.
+    pub normal: [f32; 3],
+    /// [`sliver_factor`](crate::geometry::sliver_factor) of a triangle; 1 for round shapes.
+    pub sliver: f32,
 }
 
 /// A surface's scattering and emission.
@@ -151,7 +155,7 @@ pub struct CompiledScene {
     /// Spheres and disks; as primitives they follow the triangles.
     pub shapes: Vec<RoundShape>,
     /// One record per primitive.
-    pub surfaces: Vec<TriangleRecord>,
+    pub surfaces: Vec<SurfaceRecord>,
     /// Texture coordinates per vertex, or empty.
     pub texcoords: Vec<[f32; 2]>,
     /// Shading normals per vertex (unit, or zero where there is none), or empty.

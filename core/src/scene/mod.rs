@@ -16,8 +16,8 @@ mod needs;
 pub use bitmap::{SRGB_CODES, sample_bitmap, srgb_to_linear};
 pub use compile::compile;
 pub use compiled::{
-    CompiledScene, LightKind, LightRecord, MaterialRecord, MediumRecord, NO_INDEX, TextureRecord,
-    TriangleRecord, material_flags,
+    CompiledScene, LightKind, LightRecord, MaterialRecord, MediumRecord, NO_INDEX, SurfaceRecord,
+    TextureRecord, material_flags,
 };
 pub use desc::{
     CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, MeshDesc, Reflectance,

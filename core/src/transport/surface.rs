@@ -2,8 +2,8 @@
 
 use crate::bsdf::Lobes;
 use crate::geometry::{
-    Hit, Intersector, PrimitiveId, Ray, SurfacePoint, geometric_normal, hit_point, offset_origin,
-    shape_normal, shape_point,
+    Hit, Intersector, PrimitiveId, Ray, SurfacePoint, hit_point_with, offset_origin, shape_normal,
+    shape_point,
 };
 use crate::math::{self, Vec3};
 use crate::scene::{CompiledScene, NO_INDEX, SceneNeeds, material_flags, sample_bitmap};
@@ -74,7 +74,7 @@ pub fn surface_at<const LOBES: bool, const TEXTURES: bool, const SHADING: bool>(
         Some(t) => {
             vertex = Some(*t);
             let v = t.map(|i| Vec3::from_array(scene.positions[i as usize]));
-            (hit_point(v, hit.b1, hit.b2), geometric_normal(v)?)
+            (hit_point_with(v, hit.b1, hit.b2, record.sliver), Vec3::from_array(record.normal))
         }
         None => {
             let shape = scene.shapes.get(hit.primitive as usize - scene.triangles.len())?;

@@ -23,10 +23,7 @@ pub use sphere::{
 };
 
 use super::ONE_MINUS_EPSILON;
-use crate::math;
-
-// from math once merged
-const PI: f32 = core::f32::consts::PI;
+use crate::math::{self, PI};
 
 /// Clamps to the unit numbers `[0, 1 - 2^-24]`; -0 becomes +0.
 #[inline(always)]
@@ -44,7 +41,7 @@ fn unit(u: f32) -> f32 {
 fn sin_cos_turns(u: f32) -> (f32, f32) {
     let quarters = 4.0 * u;
     let nearest = (quarters + 0.5) as i32;
-    let (s, c) = math::sin_cos((quarters - nearest as f32) * (0.5 * PI));
+    let (s, c) = math::sin_cos_quarter((quarters - nearest as f32) * (0.5 * PI));
     match nearest & 3 {
         0 => (s, c),
         1 => (c, -s),

@@ -15,10 +15,10 @@ pub(super) fn concentric(u: [f32; 2]) -> ([f32; 2], f32) {
     let a = (2.0 * u[0] - 1.0) + HALF_CELL;
     let b = (2.0 * u[1] - 1.0) + HALF_CELL;
     if a.abs() > b.abs() {
-        let (s, c) = math::sin_cos((0.25 * PI) * (b / a));
+        let (s, c) = math::sin_cos_quarter((0.25 * PI) * (b / a));
         ([a * c, a * s], a.abs())
     } else if b != 0.0 {
-        let (s, c) = math::sin_cos((0.25 * PI) * (a / b));
+        let (s, c) = math::sin_cos_quarter((0.25 * PI) * (a / b));
         ([b * s, b * c], b.abs())
     } else {
         ([0.0, 0.0], 0.0)
