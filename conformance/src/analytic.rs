@@ -18,7 +18,7 @@ pub const BLOCKS: u32 = 32;
 
 /// Multiples of a case's own samples.
 const QUICK: u32 = 8;
-const FULL: u32 = 128;
+const FULL: u32 = 64;
 
 /// Compiles a scene of this crate.
 ///

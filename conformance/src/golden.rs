@@ -100,11 +100,20 @@ pub fn check(backend: &dyn Backend, scene: &GoldenScene, level: Level) -> Result
     }
     let t = t_quantile(sidak(PIXEL_ALPHA, 3 * found.len()), f64::from(BLOCKS) - 1.0);
     let mut agree = 0;
-    for (a, b) in found.iter().zip(&stored) {
-        let good = (0..3).all(|c| {
+    let (mut worst, mut at) = (0.0_f64, String::new());
+    for (i, (a, b)) in found.iter().zip(&stored).enumerate() {
+        let mut good = true;
+        for c in 0..3 {
             let ((x, sx), (r, sr)) = (a[c], b[c]);
-            (x - r).abs() <= t * (sx * sx + sr * sr).sqrt() + ROUNDING * r.abs()
-        });
+            let allowed = t * (sx * sx + sr * sr).sqrt() + ROUNDING * r.abs();
+            let off = (x - r).abs();
+            good &= off <= allowed;
+            let share = if off == 0.0 { 0.0 } else { off / allowed };
+            if share > worst || share.is_nan() {
+                worst = share;
+                at = format!("pixel {i}: {x:.5} +- {sx:.1e} against {r:.5} +- {sr:.1e}");
+            }
+        }
         agree += usize::from(good);
     }
     let share = agree as f64 / found.len() as f64;
@@ -112,7 +121,7 @@ pub fn check(backend: &dyn Backend, scene: &GoldenScene, level: Level) -> Result
         name("pixels"),
         share >= PIXEL_SHARE && film.invalid() == 0 && film.saturated() == 0,
         format!(
-            "{:.2} % of {} pixels agree (at least {:.2} %)",
+            "{:.2} % of {} pixels agree (at least {:.2} %); {worst:.2} of what is allowed at {at}",
             100.0 * share,
             found.len(),
             100.0 * PIXEL_SHARE

@@ -39,6 +39,8 @@ fn moved(case: &Case, scale: f32, shift: f32, rounding: f64) -> Case {
         other => other.clone(),
     };
     out.rounding = out.rounding.max(rounding);
+    // Three transforms of each case: half the precision of the case itself will do.
+    out.samples = (out.samples / 4).max(32);
     out
 }
 

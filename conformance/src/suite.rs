@@ -14,7 +14,7 @@ use std::time::Instant;
 pub enum Level {
     /// Everything once, with few samples: seconds.
     Quick,
-    /// Sixteen times the samples: minutes.
+    /// Eight times the samples and more: minutes.
     Full,
 }
 

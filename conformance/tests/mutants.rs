@@ -70,8 +70,8 @@ const KERNEL_MUTANTS: &[(&str, Kernel, Spoil)] = &[
     ("dividing by 2^32", Kernel::U32ToUnit, |_, item, out| {
         out[0] = (item[0] as f32 / 4_294_967_296.0).to_bits();
     }),
-    ("pi to three digits more than needed, one wrong", Kernel::PdfCosineHemisphere, |_, _, out| {
-        scale(out, std::f32::consts::PI / 3.141_59);
+    ("pi cut after five decimals", Kernel::PdfCosineHemisphere, |_, _, out| {
+        scale(out, 1.000_000_8);
     }),
     ("the cosine forgotten", Kernel::PdfCosineHemisphere, |_, item, out| {
         out[0] = if float(item[2]) > 0.0 { std::f32::consts::FRAC_1_PI.to_bits() } else { 0 };
@@ -246,37 +246,38 @@ const SESSION_MUTANTS: &[(Fault, &str)] = &[
 #[test]
 fn every_session_mutant_is_caught_by_its_scene() {
     let mut missed = String::new();
+    let mut sound: Vec<&str> = Vec::new();
     for (fault, case) in SESSION_MUTANTS {
         assert!(analytic::cases().iter().any(|c| c.name == *case), "no case {case}");
-        let failed = analytic_failures(&TracerBackend { fault: Some(*fault) }, &[case]);
-        if failed.is_empty() {
+        if analytic_failures(&TracerBackend { fault: Some(*fault) }, &[case]).is_empty() {
             missed.push_str(&format!("{fault:?} passes {case}\n"));
         }
-        let right = analytic_failures(&TracerBackend { fault: None }, &[case]);
-        assert!(right.is_empty(), "the faultless tracer fails: {right:?}");
+        if !sound.contains(case) {
+            sound.push(case);
+        }
     }
     assert!(missed.is_empty(), "{missed}");
+    let right = analytic_failures(&TracerBackend { fault: None }, &sound);
+    assert!(right.is_empty(), "the faultless tracer fails: {right:?}");
 }
 
 #[test]
+#[ignore = "ten seconds: cargo nextest run -p etendue-conformance --run-ignored only goldens_catch_what_they_are_for"]
 fn goldens_catch_what_they_are_for() {
-    for (fault, scene) in [
-        (Fault::EnergyLost, "room"),
-        (Fault::NormalFlipped, "room"),
-        (Fault::LightPickBiased, "stage"),
-        (Fault::SrgbNotDecoded, "terrace"),
-        (Fault::EmissionTwoSided, "terrace"),
+    for (name, faults) in [
+        ("room", &[Fault::EnergyLost, Fault::EmissionTwoSided][..]),
+        ("stage", &[Fault::LightPickBiased]),
+        ("terrace", &[Fault::SrgbNotDecoded]),
     ] {
-        let scene = golden::scenes().into_iter().find(|s| s.name == scene).expect("scenes have these names");
+        let scene = golden::scenes().into_iter().find(|s| s.name == name).expect("scenes have these names");
         let of =
             |fault| golden::check(&TracerBackend { fault }, &scene, Level::Quick).expect("surfaces only");
-        assert!(
-            of(Some(fault)).iter().any(|f| !f.1),
-            "{fault:?} passes {}: {:?}",
-            scene.name,
-            of(Some(fault))
-        );
-        assert!(of(None).iter().all(|f| f.1), "the faultless tracer fails {}: {:?}", scene.name, of(None));
+        for fault in faults {
+            let found = of(Some(*fault));
+            assert!(found.iter().any(|f| !f.1), "{fault:?} passes {name}: {found:?}");
+        }
+        let right = of(None);
+        assert!(right.iter().all(|f| f.1), "the faultless tracer fails {name}: {right:?}");
     }
 }
 

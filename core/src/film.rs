@@ -249,14 +249,13 @@ impl Sums {
         let (mut saturated, mut invalid) = (0, 0);
         let to_sum = power_of_two(FRACTION_BITS - exponent);
         let to_square = power_of_two(FRACTION_BITS - 2 * exponent);
-        for c in 0..3 {
-            let m = mean[c];
+        for ((&m, sum), squares) in mean.iter().zip(&mut self.sum).zip(&mut self.squares) {
             if !m.is_finite() {
                 invalid += 1;
                 continue;
             }
-            saturated += add_saturating(&mut self.sum[c], to_fixed(m * to_sum, &mut saturated));
-            saturated += add_saturating(&mut self.squares[c], to_fixed(m * m * to_square, &mut saturated));
+            saturated += add_saturating(sum, to_fixed(m * to_sum, &mut saturated));
+            saturated += add_saturating(squares, to_fixed(m * m * to_square, &mut saturated));
         }
         [saturated, invalid]
     }

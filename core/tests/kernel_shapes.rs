@@ -41,6 +41,10 @@ fn every_kernel_answers_some_item_and_overwrites_its_output() {
             match kernel {
                 Kernel::CdfPmf => item[0] = k,
                 Kernel::RoundShape => item[7] = k % 2,
+                // A box around the origin of a long ray.
+                Kernel::Slab => {
+                    item[6..].copy_from_slice(&[9.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0_f32].map(f32::to_bits))
+                }
                 _ => {}
             }
             let mut out = vec![0xdead_beef; shape.out];

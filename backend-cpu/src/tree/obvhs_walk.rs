@@ -23,7 +23,7 @@ fn foreign_ray(ray: &Ray, prepared: &PreparedRay) -> obvhs::ray::Ray {
 /// obvhs accepts t < tmax; the next float above makes that t <= tmax.
 #[inline(always)]
 fn next_up(t: f32) -> f32 {
-    if t >= 0.0 && t < f32::MAX { f32::from_bits(t.to_bits() + 1) } else { t }
+    if (0.0..f32::MAX).contains(&t) { f32::from_bits(t.to_bits() + 1) } else { t }
 }
 
 /// Takes a leaf's answer into `best`; returns obvhs's new limit, or infinity where nothing changed.

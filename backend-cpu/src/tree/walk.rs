@@ -125,11 +125,11 @@ impl Intersector for WalkTree {
                 let first = (word & ((1 << PLACE_BITS) - 1)) as usize;
                 let count = ((word & !LEAF) >> PLACE_BITS) as usize + 1;
                 for place in first..first + count {
-                    if let Some(hit) = self.leaves.intersect(place, &prepared, t_max) {
-                        if best.is_none_or(|b| hit.before(&b)) {
-                            best = Some(hit);
-                            t_max = hit.t;
-                        }
+                    if let Some(hit) = self.leaves.intersect(place, &prepared, t_max)
+                        && best.is_none_or(|b| hit.before(&b))
+                    {
+                        best = Some(hit);
+                        t_max = hit.t;
                     }
                 }
             } else if let Some(node) = self.nodes.get(word as usize) {

@@ -77,7 +77,7 @@ pub(super) fn scattering(kernel: Kernel, count: usize, r: &mut Random) -> Vec<u3
                 items.push(u32::from(r.below(8) == 0));
                 put(&mut items, [n, wo].as_flattened());
                 if kernel == K::SampleLobes {
-                    put(&mut items, &[u[0], u[1], if i < 9 { HARD_UNITS[i] } else { r.unit() }]);
+                    put(&mut items, &[u[0], u[1], HARD_UNITS.get(i).copied().unwrap_or_else(|| r.unit())]);
                 } else {
                     put(&mut items, &wi);
                 }

@@ -149,10 +149,9 @@ fn disk() -> Case {
         ShapeKind::Disk { center: [0.0, 0.0, 1.0], normal: [0.0, 0.0, -1.0], radius: 1.0 },
         "lamp",
     ));
-    let list =
-        [(0.0, 1.570_796_326_794_896_6), (0.5, 1.375_963_021_307_188), (2.0, 0.165_833_380_586_751_37)]
-            .map(|(d, e)| (probe([d, 0.0, 0.0], UP), e))
-            .to_vec();
+    let list = [(0.0, PI / 2.0), (0.5, 1.375_963_021_307_188), (2.0, 0.165_833_380_586_751_37)]
+        .map(|(d, e)| (probe([d, 0.0, 0.0], UP), e))
+        .to_vec();
     let mut list = list;
     // Nothing leaves the back.
     list.push((probe([0.0, 0.0, 2.0], [0.0, 0.0, -1.0]), 0.0));
@@ -161,10 +160,11 @@ fn disk() -> Case {
 
 /// Spherical Lambertian lights, the horizon through some: Snyder, MSR-TR-96-11; Lagarde and de Rousiers 2014.
 fn sphere_lights() -> Vec<Case> {
-    let groups: [(f32, f32, Vec<(f32, f64)>); 2] = [
+    // Radiance, distance, and per tilt the irradiance.
+    let groups = [
         (
-            1.0,
-            3.0,
+            1.0_f32,
+            3.0_f32,
             vec![
                 (0.0, 0.349_065_850_398_865_9),
                 (0.5, 0.306_334_103_261_478_3),
@@ -189,8 +189,8 @@ fn sphere_lights() -> Vec<Case> {
             scene.shapes.push(sphere([0.0, 0.0, d], 1.0, "bulb"));
             let list = list
                 .into_iter()
-                .map(|(beta, e)| {
-                    let (s, c) = f64::from(beta).sin_cos();
+                .map(|(beta, e): (f64, f64)| {
+                    let (s, c) = beta.sin_cos();
                     (probe([0.0; 3], [s as f32, 0.0, c as f32]), e)
                 })
                 .collect();

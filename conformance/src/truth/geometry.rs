@@ -138,7 +138,7 @@ fn slab(ray: &Ray, low: V, high: V) -> Answer {
 }
 
 fn sphere(ray: &Ray, f: V, r: f64) -> Answer {
-    if !(r > 0.0) || ray.t_max < 0.0 || ray.d == [0.0; 3] {
+    if r <= 0.0 || ray.t_max < 0.0 || ray.d == [0.0; 3] {
         return nothing(2);
     }
     let a = vec::dot(ray.d, ray.d);
@@ -177,7 +177,7 @@ fn sphere(ray: &Ray, f: V, r: f64) -> Answer {
 
 fn disk(ray: &Ray, f: V, n: V, r: f64) -> Answer {
     let cosine = vec::dot(n, ray.d);
-    if !(r > 0.0) || n == [0.0; 3] || ray.d == [0.0; 3] || cosine == 0.0 || ray.t_max < 0.0 {
+    if r <= 0.0 || n == [0.0; 3] || ray.d == [0.0; 3] || cosine == 0.0 || ray.t_max < 0.0 {
         return nothing(2);
     }
     let t = -vec::dot(n, f) / cosine;

@@ -28,7 +28,7 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
             let (index, d) = (r.word(), r.word());
             let key = key([constants[0], constants[1]], [0, 0, 0, 2]);
             let (pad, d) = (d / 64, d % 64);
-            if d as usize >= JOE_KUO.len() + 1 {
+            if d as usize > JOE_KUO.len() {
                 // The table of direction numbers ends here; the other backend still has to agree.
                 return Answer::Undecided;
             }

@@ -95,7 +95,7 @@ pub fn sample(light: &LightRecord, p: Vec3, u: [f32; 2]) -> Option<LightSample> 
     // Point and spot.
     let to = at - p;
     let d2 = to.dot(to);
-    if !(d2 >= f32::MIN_POSITIVE && d2 <= f32::MAX) {
+    if !(f32::MIN_POSITIVE..=f32::MAX).contains(&d2) {
         return None;
     }
     let wi = to / math::sqrt(d2);
@@ -118,7 +118,7 @@ pub fn sample(light: &LightRecord, p: Vec3, u: [f32; 2]) -> Option<LightSample> 
 fn surface_sample(light: &LightRecord, p: Vec3, point: Vec3, normal: Vec3) -> Option<LightSample> {
     let to = point - p;
     let d2 = to.dot(to);
-    if !(d2 >= f32::MIN_POSITIVE && d2 <= f32::MAX) {
+    if !(f32::MIN_POSITIVE..=f32::MAX).contains(&d2) {
         return None;
     }
     let wi = to / math::sqrt(d2);

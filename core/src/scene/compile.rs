@@ -544,9 +544,9 @@ fn material_record(m: &MaterialDesc, textures: &BTreeMap<String, u32>) -> Result
     not_negative(&place, "specular", &specular)?;
     not_negative(&place, "exponent", &[exponent])?;
     not_negative(&place, "emission", &m.emission)?;
-    for channel in 0..3 {
+    for (channel, (diffuse, glossy)) in albedo.color.iter().zip(specular).enumerate() {
         // Decoded texels are at most 1, so the colour bounds the albedo with and without a bitmap.
-        let value = albedo.color[channel] + specular[channel];
+        let value = diffuse + glossy;
         if value > 1.0 {
             return Err(SceneError::EnergyAboveOne { material: m.name.clone(), channel, value });
         }
