@@ -1,5 +1,7 @@
 //! Closed rooms in which the answer is known everywhere.
 
+#![allow(clippy::disallowed_methods, reason = "truth in f64")]
+
 use etendue_core::backend::{NoControl, PathJob, Probe, Session, probe_film_settings};
 use etendue_core::film::Film;
 use etendue_core::scene::{
