@@ -155,7 +155,7 @@ fn bad_input_exits_with_3_and_names_file_line_and_what_was_expected() {
     );
     let unknown = folder.write("unknown.toml", &format!("{FLOOR}\n[[shape]]\nkind = \"torus\"\n"));
     let misspelt = folder
-        .write("misspelt.toml", &format!("{FLOOR}\n[camera]\nposition = [0, 1, 0]\nlok_at = [0, 0, 0]\n"));
+        .write("misspelt.toml", &format!("{FLOOR}\n[camera]\nposition = [0, 1, 0]\nfov_x_deg = 40\nlook_at = [0, 0, 0]\nresolution = [8, 8]\napperture = 2\n"));
     let mesh = folder.write("mesh.toml", "[[mesh]]\nfile = \"nowhere.obj\"\n");
     let suffix = folder.write("scene.xyz", "");
     let cases: Vec<(&str, Vec<&str>)> = vec![
@@ -163,7 +163,7 @@ fn bad_input_exits_with_3_and_names_file_line_and_what_was_expected() {
         (&syntax, vec!["syntax.toml:3"]),
         (&field, vec!["field.toml:4", "look_at", "expected"]),
         (&unknown, vec!["unknown.toml:14", "torus", "sphere"]),
-        (&misspelt, vec!["misspelt.toml:15", "lok_at"]),
+        (&misspelt, vec!["misspelt.toml:18", "apperture"]),
         (&mesh, vec!["nowhere.obj"]),
         (&suffix, vec!["scene.xyz", "expected"]),
     ];

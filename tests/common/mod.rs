@@ -1,5 +1,10 @@
 //! What the tests of the command and of the shared scenes have in common.
-#![allow(dead_code, reason = "each test binary uses its part")]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    unused_imports,
+    reason = "each test binary has this module to itself and uses its part"
+)]
 
 use std::path::{Path, PathBuf};
 
