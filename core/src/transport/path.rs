@@ -2,9 +2,10 @@
 //!
 //! Estimates radiance \[W m^-2 sr^-1\] along camera rays, or irradiance \[W/m^2\] at probes. At each vertex one light
 //! is sampled by flux and one direction by the lobes; both find surface lights and are combined by the power
-//! heuristic (Veach 1997, ch. 9). The constant environment is found by scattering alone. Paths end by roulette on
-//! their throughput from the fourth edge on, with survival at most 0.95, so that they end even in a closed room of
-//! albedo 1. Unbiased for what surfaces carry, up to `max_depth`.
+//! heuristic (Veach 1997, ch. 9). The constant environment is found by scattering alone. Paths end by roulette from the
+//! fifth edge on: the chance to survive is the factor by which the last scattering changed the throughput (its largest
+//! channel), at most 0.95, so that paths end even in a closed room of albedo 1. Unbiased for what surfaces carry, up to
+//! `max_depth`.
 
 use super::{Answer, Query, Surface, ask, mis, surface_at};
 use crate::bsdf::Lobes;
@@ -15,7 +16,7 @@ use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, NO_INDEX};
 
 /// Number of edges after which roulette begins.
-const ROULETTE_FROM: u32 = 4;
+const ROULETTE_FROM: u32 = 5;
 /// Largest probability of surviving the roulette.
 const SURVIVAL_MAX: f32 = 0.95;
 /// Group of sample dimensions for the pixel and the lens.
@@ -172,7 +173,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     ) {
         let mut throughput = state.throughput * s.weight;
         if state.depth + 1 >= ROULETTE_FROM {
-            let q = math::max_component(throughput).min(SURVIVAL_MAX);
+            let q = math::max_component(s.weight).min(SURVIVAL_MAX);
             if survive >= q {
                 return;
             }
