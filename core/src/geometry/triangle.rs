@@ -32,6 +32,9 @@ pub fn triangle_bounds(v: [Vec3; 3]) -> Aabb {
 /// makes every tree agree; the upper one makes `t` good to 3 eps for triangles in an axis plane, whose box is flat.
 /// A ray that starts in the plane of such a triangle, inside it, hits at exactly 0, and so does one that starts at
 /// a vertex of any triangle. Elsewhere the sign of the computed `t` decides.
+/// One convention of the box test shows at the outline of a mesh: a ray that runs exactly along an axis and exactly
+/// within a face plane of the triangle's box belongs to the side that the sign of its zero component points to. Of
+/// the triangles that meet there one is always hit; on an outline there may be none.
 /// Accuracy: `t |d|` within 16 u reach / cosine, barycentrics within 4 u reach / (smallest height * cosine), with
 /// u = 2^-24, reach the largest distance from the origin to a vertex, cosine that of incidence
 /// (measured against f64 on random triangles of sizes 1e-3 to 1e3 from distances 1e-2 to 1e3; the error of `t`
