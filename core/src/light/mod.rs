@@ -6,7 +6,7 @@
 //! lights emit from their front only.
 
 use crate::geometry::{Ray, SurfacePoint, offset_origin, segment};
-use crate::math::{self, INV_PI, TAU, Vec3};
+use crate::math::{self, TAU, Vec3};
 use crate::sampling::{discrete, warp};
 use crate::scene::{LightKind, LightRecord};
 
@@ -211,13 +211,6 @@ pub fn pdf_solid_angle(light: &LightRecord, p: Vec3, wi: Vec3, distance: f32, no
     } else {
         0.0
     }
-}
-
-/// The constant environment has the density of scattering itself; this is its mean radiance over a cosine lobe,
-/// as an irradiance \[W/m^2\].
-#[inline]
-pub fn environment_irradiance(radiance: [f32; 3]) -> Vec3 {
-    Vec3::from_array(radiance) * (1.0 / INV_PI)
 }
 
 /// The shadow ray of a sample, from a surface point with its unit normal `ng` on the receiving side. Both ends are
