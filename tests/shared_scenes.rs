@@ -171,7 +171,7 @@ fn shared_sponza_sky_probes() {
 }
 
 #[test]
-#[ignore = "minutes: ETENDUE_SCENES=../shared/scenes cargo nextest run -p etendue -E 'test(shared_full_sponza_sky_probes)' --run-ignored only"]
+#[ignore = "minutes, perhaps more than nextest allows: ETENDUE_SCENES=../shared/scenes cargo test -p etendue --test shared_scenes -- --ignored --nocapture shared_full_sponza_sky_probes"]
 fn shared_full_sponza_sky_probes() {
     let Some(ours) = sponza_probes(Effort::Error(0.005)) else { return };
     assert!(ours <= 0.005, "{ours}");
