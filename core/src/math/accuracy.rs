@@ -7,10 +7,10 @@ pub struct Accuracy {
     pub name: &'static str,
     /// Where the statement holds.
     pub domain: &'static str,
-    /// No error found in the domain is larger [ulp]: every 61st float (70 million pairs for two arguments), plus a margin
+    /// No error found in the domain is larger \[ulp\]: every 61st float (70 million pairs for two arguments), plus a margin
     /// of about 5 % for the rest.
     pub worst_ulp: f64,
-    /// The mean error over the domain's floats, or over the test's sample of pairs, is not larger [ulp].
+    /// The mean error over the domain's floats, or over the test's sample of pairs, is not larger \[ulp\].
     pub mean_ulp: f64,
 }
 
