@@ -18,8 +18,8 @@ pub const BLOCK_MIN: u32 = 16;
 pub const BLOCK_OPEN: u32 = 64;
 /// Longest block.
 const BLOCK_MAX: u32 = 1 << 16;
-/// Passes into which a job of known length is cut, at least.
-const PASSES: u32 = 16;
+/// What a pass should take: so much is lost at most when a job is stopped.
+const PASS_SECONDS: f64 = 1.0;
 /// Confidence of the interval of the estimated error.
 pub const CONFIDENCE: f64 = 0.99;
 
@@ -220,6 +220,9 @@ fn drive(
 }
 
 /// The blocks of the next pass, or `None` when the budget is used up after `done` blocks.
+///
+/// A pass is as many blocks as seem to take [`PASS_SECONDS`]: a pass that is stopped is lost, so it must be short. How
+/// a job is cut into passes does not touch its bits.
 fn next_blocks(
     budget: Budget,
     length: u32,
@@ -227,29 +230,26 @@ fn next_blocks(
     elapsed: Duration,
     error: Option<ErrorEstimate>,
 ) -> Option<Range<u32>> {
+    let per_block = (elapsed.as_secs_f64() / f64::from(done.max(1))).max(1e-9);
+    let step = if done == 0 { 1 } else { ((PASS_SECONDS / per_block) as u32).clamp(1, done) };
+    let end = done.checked_add(step)?;
     match budget {
         Budget::Samples(n) => {
             let total = n.div_ceil(u64::from(length)).clamp(1, u64::from(u32::MAX)) as u32;
-            let step = total.div_ceil(PASSES * 2).max(1);
-            (done < total).then(|| done..total.min(done + step))
+            (done < total).then(|| done..total.min(end))
         }
         Budget::Seconds(seconds) => {
-            if done == 0 {
-                return Some(0..1);
-            }
-            // As many blocks as seem to fit into half of what is left: passes stay few, the end is not overrun by much.
-            let per_block = elapsed.as_secs_f64() / f64::from(done);
-            let left = seconds - elapsed.as_secs_f64();
-            let fit = left / per_block.max(1e-9);
-            (fit >= 0.5).then(|| done..done.saturating_add(((fit * 0.5) as u32).max(1)))
+            let fit = (seconds - elapsed.as_secs_f64()) / per_block;
+            let last = done.saturating_add((fit as u32).max(1));
+            (done == 0 || fit >= 0.5).then(|| done..end.min(last))
         }
         Budget::Error(target) => {
-            // Four blocks are the least from which a variance says something.
-            if done >= 4 && error.is_none_or(|e| e.rel_error <= target) {
+            // Tested when the number doubles; four blocks are the least from which a variance says something.
+            if done >= 4 && done.is_power_of_two() && error.is_none_or(|e| e.rel_error <= target) {
                 return None;
             }
-            let end = if done == 0 { 4 } else { done.checked_mul(2)? };
-            Some(done..end)
+            let next_test = done.checked_add(1)?.checked_next_power_of_two()?.max(4);
+            Some(done..end.min(next_test))
         }
     }
 }
@@ -332,24 +332,27 @@ mod tests {
     }
 
     #[test]
-    fn an_error_budget_doubles_until_it_is_met() {
+    fn an_error_budget_is_tested_when_the_number_doubles() {
         let error = |e| Some(ErrorEstimate { rel_error: e, interval: [e, e] });
-        let next = |done, e| next_blocks(Budget::Error(0.01), 64, done, Duration::ZERO, e);
-        assert_eq!(next(0, None), Some(0..4));
+        let next = |done, e| next_blocks(Budget::Error(0.01), 64, done, Duration::from_millis(1), e);
+        assert_eq!(next(0, None), Some(0..1));
+        assert_eq!(next(3, error(0.001)), Some(3..4), "too few blocks to trust");
         assert_eq!(next(4, error(0.02)), Some(4..8));
+        assert_eq!(next(6, error(0.001)), Some(6..8), "tested at powers of two only");
         assert_eq!(next(8, error(0.0101)), Some(8..16));
         assert_eq!(next(16, error(0.0099)), None);
         assert_eq!(next(4, None), None, "a black result has no error to reduce");
     }
 
     #[test]
-    fn a_time_budget_ends() {
+    fn a_time_budget_ends_and_passes_are_short() {
         let next = |done, seconds| {
             next_blocks(Budget::Seconds(10.0), 64, done, Duration::from_secs_f64(seconds), None)
         };
         assert_eq!(next(0, 0.0), Some(0..1));
-        assert_eq!(next(1, 1.0), Some(1..5));
-        assert_eq!(next(9, 9.0), Some(9..10));
+        assert_eq!(next(1, 1.0), Some(1..2));
+        assert_eq!(next(100, 1.0), Some(100..200), "a second's worth");
+        assert_eq!(next(100, 9.95), Some(100..101), "what is left");
         assert_eq!(next(10, 9.8), None);
         assert_eq!(next(1, 60.0), None);
     }

@@ -30,7 +30,7 @@ fn files(folder: &Path, extension: &str, out: &mut Vec<PathBuf>) {
 }
 
 #[test]
-fn every_obj_loads_or_is_refused_with_its_line() {
+fn shared_every_obj_loads_or_is_refused_with_its_line() {
     let Some(root) = scenes() else { return };
     let mut all = Vec::new();
     files(&root, "obj", &mut all);
@@ -60,7 +60,7 @@ fn every_obj_loads_or_is_refused_with_its_line() {
 }
 
 #[test]
-fn sponza_loads_whole_and_fast() {
+fn shared_sponza_loads_whole_and_fast() {
     let Some(root) = scenes() else { return };
     let path = root.join("sponza_dabrovic/sponza.obj");
     let scene = io::load_scene(&path).unwrap();
@@ -77,7 +77,7 @@ fn sponza_loads_whole_and_fast() {
 }
 
 #[test]
-fn closed_cornell_scenes_load() {
+fn shared_closed_cornell_scenes_load() {
     let Some(root) = scenes() else { return };
     for (name, shapes, lights, media) in [("area", 1, 0, 0), ("point", 0, 1, 0), ("fog", 2, 0, 1)] {
         let scene = io::load_scene(&root.join(format!("closed_cornell/{name}.toml"))).unwrap();
@@ -91,7 +91,7 @@ fn closed_cornell_scenes_load() {
 }
 
 #[test]
-fn every_exr_reads() {
+fn shared_every_exr_reads() {
     let Some(root) = scenes() else { return };
     let mut all = Vec::new();
     files(&root, "exr", &mut all);
@@ -115,7 +115,7 @@ fn every_exr_reads() {
 }
 
 #[test]
-fn every_list_of_points_reads() {
+fn shared_every_list_of_points_reads() {
     let Some(root) = scenes() else { return };
     let points = io::read_points(&root.join("closed_cornell/area_points.json")).unwrap();
     assert_eq!(points.len(), 1024);

@@ -10,6 +10,9 @@ const TILE: u32 = 16;
 /// Elements whose means are held at a time: bounds memory, and gives small jobs enough tasks for all threads.
 const BATCH: usize = 1 << 16;
 
+/// Samples between two looks at the control.
+const REPORT_SAMPLES: usize = 4096;
+
 /// The elements of an image in tiles: (x, y) of each pixel, tile after tile.
 pub(crate) fn image_chunks(width: u32, height: u32) -> Vec<Vec<u32>> {
     let mut chunks = Vec::new();
@@ -42,6 +45,8 @@ pub(crate) fn run_blocks(
     let elements = film.len();
     let total = elements as u64 * u64::from(job.blocks.end - job.blocks.start);
     let per_batch = (BATCH / elements.max(1)).max(1) as u32;
+    // A report every few thousand samples: often enough to stop at once, rarely enough to cost nothing.
+    let per_report = (REPORT_SAMPLES / job.block_length as usize).max(1);
     let mut part = Film::new(*film.settings());
     let done = AtomicU64::new(0);
     let rays = AtomicU64::new(0);
@@ -58,22 +63,23 @@ pub(crate) fn run_blocks(
                 .par_iter()
                 .with_max_len(1)
                 .map(|(block, chunk)| {
-                    if cancelled.load(Ordering::Relaxed) {
-                        return Vec::new();
-                    }
-                    let mut traced = 0;
-                    let means = chunk
-                        .iter()
-                        .map(|&element| {
+                    let mut means = Vec::with_capacity(chunk.len());
+                    for elements in chunk.chunks(per_report) {
+                        if cancelled.load(Ordering::Relaxed) {
+                            return Vec::new();
+                        }
+                        let mut traced = 0;
+                        for &element in elements {
                             let (mean, n) = block_mean(element, *block);
                             traced += n;
-                            mean
-                        })
-                        .collect();
-                    rays.fetch_add(traced, Ordering::Relaxed);
-                    let now = done.fetch_add(chunk.len() as u64, Ordering::Relaxed) + chunk.len() as u64;
-                    if control.advance(now, total).is_break() {
-                        cancelled.store(true, Ordering::Relaxed);
+                            means.push(mean);
+                        }
+                        rays.fetch_add(traced, Ordering::Relaxed);
+                        let count = elements.len() as u64;
+                        let now = done.fetch_add(count, Ordering::Relaxed) + count;
+                        if control.advance(now, total).is_break() {
+                            cancelled.store(true, Ordering::Relaxed);
+                        }
                     }
                     means
                 })

@@ -55,10 +55,10 @@ pub(super) struct SamplingArgs {
     #[arg(long, value_name = "N", group = "budget", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     pub samples: Option<u64>,
     /// Stop after this many seconds
-    #[arg(long, value_name = "SECONDS", group = "budget", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", group = "budget", value_parser = positive, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Stop when the estimated rel_error falls below this; tested when the number of samples doubles
-    #[arg(long, value_name = "E", group = "budget", value_parser = positive)]
+    #[arg(long, value_name = "E", group = "budget", value_parser = positive, allow_negative_numbers = true)]
     pub error: Option<f64>,
     /// Seed of all samples
     #[arg(long, default_value_t = 0)]
@@ -70,6 +70,10 @@ fn positive(text: &str) -> Result<f64, String> {
         Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
         _ => Err("expected a number above 0".into()),
     }
+}
+
+fn finite(text: &str) -> Result<f32, String> {
+    text.parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(|| "expected a finite number".into())
 }
 
 impl SamplingArgs {
@@ -104,16 +108,16 @@ pub(super) struct ToneArgs {
     #[arg(long, value_enum, default_value_t = Tone::Reinhard)]
     pub tone: Tone,
     /// Exposure of the PNG in stops: 1 doubles
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     pub exposure: f32,
     /// Factor a of the gamma curve a (x + c)^gamma
-    #[arg(long, default_value_t = ToneSettings::default().gamma_a)]
+    #[arg(long, default_value_t = ToneSettings::default().gamma_a, value_parser = finite)]
     pub gamma_a: f32,
     /// Shift c of the gamma curve
-    #[arg(long, default_value_t = ToneSettings::default().gamma_c, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = ToneSettings::default().gamma_c, allow_negative_numbers = true, value_parser = finite)]
     pub gamma_c: f32,
     /// Exponent of the gamma curve
-    #[arg(long, default_value_t = ToneSettings::default().gamma)]
+    #[arg(long, default_value_t = ToneSettings::default().gamma, value_parser = finite)]
     pub gamma: f32,
 }
 

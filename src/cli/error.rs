@@ -28,6 +28,8 @@ pub(super) enum CliError {
     Backend(#[from] BackendError),
     #[error("{0}")]
     Save(#[from] SaveError),
+    #[error("{file}: its folder does not exist")]
+    NoFolder { file: String },
     #[error("{0}")]
     Metrics(#[from] MetricsError),
     #[error("{0}")]
@@ -41,7 +43,7 @@ impl CliError {
         ExitCode::from(match self {
             Self::Load(_) | Self::Scene { .. } | Self::Metrics(_) | Self::Input(_) => INPUT,
             Self::Usage(_) => USAGE,
-            Self::Save(_) => RESOURCE,
+            Self::Save(_) | Self::NoFolder { .. } => RESOURCE,
             Self::Backend(e) => match e {
                 BackendError::Unsupported { .. }
                 | BackendError::NoAdapter { .. }

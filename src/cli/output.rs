@@ -30,6 +30,16 @@ pub(super) fn scene_hash(scene: &CompiledScene) -> String {
     hash.finalize().to_hex()[..32].to_owned()
 }
 
+/// Refuses an output whose folder is missing before any work is spent on it.
+pub(super) fn check_folder(file: &Path) -> Result<(), CliError> {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            Err(CliError::NoFolder { file: file.display().to_string() })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Mean radiance, variance of the mean and sample count of an image job.
 pub(super) fn image_of(outcome: &Outcome, metadata: String) -> RenderImage {
     let film = &outcome.film;

@@ -3,6 +3,7 @@
 use super::args::{BackendArgs, SamplingArgs, TalkArgs};
 use super::error::{CliError, INTERRUPTED};
 use super::job::{Stages, open, read_scene, report, summary, warn_about};
+use super::output::check_folder;
 use super::progress::Bar;
 use crate::driver;
 use crate::io::{read_points, write_points};
@@ -33,6 +34,7 @@ pub(super) struct Args {
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     args.sampling.check_method()?;
+    check_folder(&args.output)?;
     let mut stages = Stages::new();
     let mut points = read_points(&args.points)?;
     if points.is_empty() {

@@ -3,7 +3,7 @@
 use super::args::{BackendArgs, SamplingArgs, Size, TalkArgs, ToneArgs};
 use super::error::{CliError, INTERRUPTED};
 use super::job::{Stages, open, read_scene, report, summary, warn_about};
-use super::output::{image_of, write_image};
+use super::output::{check_folder, image_of, write_image};
 use super::progress::Bar;
 use crate::driver;
 use serde_json::json;
@@ -34,6 +34,9 @@ pub(super) struct Args {
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     args.sampling.check_method()?;
+    for file in std::iter::once(&args.output).chain(&args.tone.png) {
+        check_folder(file)?;
+    }
     let mut stages = Stages::new();
     let (scene, _) = read_scene(&args.scene, args.size, &args.talk, &mut stages)?;
     let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
