@@ -228,8 +228,8 @@ fn a_time_budget_ends_near_its_time() {
     let v = run(&line).exits(0).json();
     let seconds = v["seconds"]["sample"].as_f64().unwrap();
     println!("{seconds} s, {} samples", v["samples"]);
-    // A block takes some milliseconds; the machine may be busy.
-    assert!((0.4..=1.6).contains(&seconds), "{seconds} s");
+    // A block takes some milliseconds; on a busy machine one may wait for a core for seconds.
+    assert!((0.4..=4.0).contains(&seconds), "{seconds} s");
     assert_eq!(v["cancelled"], json!(false));
 }
 
