@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// a clock. Also the reader of the rest of its stderr.
 fn long_job(args: &[&str], passes: usize) -> (Child, BufReader<std::process::ChildStderr>) {
     let mut child = command(args)
-        .env("ETENDUE_LOG", "etendue=debug")
+        .env("ETENDUE_LOG", "debug")
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
