@@ -39,7 +39,7 @@ fn every_kernel_answers_some_item_and_overwrites_its_output() {
                 .map(|i| (((k * 7 + i * 5) % 11) as f32 * 0.125 - 0.5 * ((k + i) % 2) as f32).to_bits())
                 .collect();
             match kernel {
-                Kernel::CdfPmf => item[0] = k,
+                Kernel::CdfPmf | Kernel::SrgbDecode => item[0] = k,
                 Kernel::RoundShape => item[7] = k % 2,
                 // A box around the origin of a long ray.
                 Kernel::Slab => {
