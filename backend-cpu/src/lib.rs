@@ -5,6 +5,7 @@
 
 mod schedule;
 mod session;
+mod simd;
 pub mod tree;
 
 use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};

@@ -5,8 +5,14 @@
 use crate::statistics::Random;
 use etendue_core::kernel::Kernel;
 
+mod bc1;
+mod emission;
 mod lights;
+mod linear_triangle;
+mod log_offset;
+mod polynomial;
 mod rays;
+mod subdivide;
 
 /// One call of `Backend::map`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -340,7 +346,15 @@ pub fn inputs(kernel: Kernel, count: usize) -> Vec<Batch> {
         K::ToneDisplay => lights::tones(count, r),
         K::SrgbDecode => single((0..=255).collect()),
         K::SampleBitmap => lights::bitmaps(count, r),
-        _ => Vec::new(),
+        _ => match kernel.module() {
+            "linear_triangle" => linear_triangle::inputs(kernel, count, r),
+            "emission" => emission::inputs(kernel, count, r),
+            "subdivide" => subdivide::inputs(kernel, count, r),
+            "log_offset" => log_offset::inputs(kernel, count, r),
+            "bc1" | "bc4" => bc1::inputs(kernel, count, r),
+            "polynomial" => polynomial::inputs(kernel, count, r),
+            _ => Vec::new(),
+        },
     }
 }
 

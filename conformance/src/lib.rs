@@ -10,6 +10,7 @@
     reason = "truths and statistics are in f64; nothing here is shared with a shader"
 )]
 
+pub mod about;
 pub mod analytic;
 pub mod golden;
 pub mod inputs;

@@ -120,6 +120,12 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
             float("ulp", 8.0, "power of a rounded base: 2.4 roundings and those of the quotient")
         }
         K::SampleBitmap => float("u", 3.0, CONDITION),
+        // linear_triangle
+        // emission
+        // subdivide
+        // log_offset
+        // bc1
+        // polynomial
         // A kernel without an entry allows nothing and says so: the coverage test fails on it.
         _ => Tolerance {
             unit: "bits",

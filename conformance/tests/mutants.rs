@@ -5,6 +5,7 @@
 //! agree with all that the suite knows.
 #![allow(clippy::disallowed_methods, reason = "the mutants' own arithmetic")]
 
+mod spoils;
 mod tracer;
 
 use etendue_conformance::analytic;
@@ -16,11 +17,9 @@ use etendue_conformance::{Level, trios};
 use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::{self, Kernel};
 use etendue_core::scene::CompiledScene;
+use spoils::{Mutant, Spoil, float, scale};
 use std::sync::Arc;
 use tracer::{Fault, TracerBackend};
-
-/// Spoils one item of one kernel: (constants, item, out).
-type Spoil = fn(&[u32], &[u32], &mut [u32]);
 
 struct KernelMutant {
     kernel: Kernel,
@@ -55,18 +54,8 @@ impl Backend for KernelMutant {
     }
 }
 
-fn float(w: u32) -> f32 {
-    f32::from_bits(w)
-}
-
-fn scale(out: &mut [u32], factor: f32) {
-    for w in out {
-        *w = (float(*w) * factor).to_bits();
-    }
-}
-
 /// Name, kernel, and what is done to its answers.
-const KERNEL_MUTANTS: &[(&str, Kernel, Spoil)] = &[
+const KERNEL_MUTANTS: &[Mutant] = &[
     ("dividing by 2^32", Kernel::U32ToUnit, |_, item, out| {
         out[0] = (item[0] as f32 / 4_294_967_296.0).to_bits();
     }),
@@ -145,7 +134,7 @@ fn the_unspoiled_wrapper_passes() {
 
 #[test]
 fn every_kernel_mutant_is_caught_by_its_kernel() {
-    for (name, kernel, spoil) in KERNEL_MUTANTS {
+    for (name, kernel, spoil) in spoils::MUTANTS.iter().copied().chain([KERNEL_MUTANTS]).flatten() {
         let mutant = KernelMutant { kernel: *kernel, spoil: *spoil };
         let row = measure(&mutant, *kernel, 4000).expect("all kernels are there");
         assert!(!row.passes(true), "\"{name}\" passes as {}", kernel.name());

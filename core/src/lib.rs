@@ -15,11 +15,14 @@ extern crate std;
 
 pub mod backend;
 pub mod bsdf;
+pub mod codec;
+pub mod direct;
 pub mod film;
 pub mod geometry;
 pub mod kernel;
 pub mod light;
 pub mod math;
+pub mod radiosity;
 pub mod sampling;
 pub mod scene;
 pub mod sensor;

@@ -2,17 +2,29 @@
 //! Kernels: a tree agrees with the oracle, a distribution sums to one, a warp stays in its domain and inverts.
 #![forbid(unsafe_code)]
 
+mod bc1;
+mod emission;
 mod kernels;
+mod linear_triangle;
+mod log_offset;
 mod parsers;
+mod polynomial;
+mod subdivide;
 
 pub use kernels::{discrete, geometry, warps};
+pub use bc1::bc1;
+pub use emission::emission;
+pub use linear_triangle::linear_triangle;
+pub use log_offset::log_offset;
+pub use polynomial::polynomial;
+pub use subdivide::subdivide;
 pub use parsers::{exr, mtl, obj, ply, points, scene};
 
 /// A target: its name and what it does with one input.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets, by the name of their binary and of their folder in `seeds`.
-pub const TARGETS: [Target; 9] = [
+pub const TARGETS: [Target; 15] = [
     ("scene", scene),
     ("obj", obj),
     ("mtl", mtl),
@@ -22,4 +34,10 @@ pub const TARGETS: [Target; 9] = [
     ("discrete", discrete),
     ("geometry", geometry),
     ("warps", warps),
+    ("linear_triangle", linear_triangle),
+    ("emission", emission),
+    ("subdivide", subdivide),
+    ("log_offset", log_offset),
+    ("bc1", bc1),
+    ("polynomial", polynomial),
 ];

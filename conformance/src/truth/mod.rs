@@ -6,10 +6,17 @@
 
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
+mod bc1;
 mod bsdf;
+mod emission;
+pub mod empty_box;
 mod geometry;
 mod light;
+mod linear_triangle;
+mod log_offset;
+mod polynomial;
 mod sampling;
+mod subdivide;
 pub(crate) mod vec;
 mod warp;
 
@@ -113,7 +120,15 @@ pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> Answer {
         K::U32ToUnit | K::CounterBits4 | K::SobolBits4 | K::SobolSet | K::CdfPick | K::CdfPmf => {
             sampling::truth(kernel, constants, &mut r)
         }
-        _ => warp::truth(kernel, constants, &mut r),
+        _ => match kernel.module() {
+            "linear_triangle" => linear_triangle::truth(kernel, constants, &mut r),
+            "emission" => emission::truth(kernel, constants, &mut r),
+            "subdivide" => subdivide::truth(kernel, constants, &mut r),
+            "log_offset" => log_offset::truth(kernel, constants, &mut r),
+            "bc1" | "bc4" => bc1::truth(kernel, constants, &mut r),
+            "polynomial" => polynomial::truth(kernel, constants, &mut r),
+            _ => warp::truth(kernel, constants, &mut r),
+        },
     }
 }
 

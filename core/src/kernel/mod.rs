@@ -196,9 +196,21 @@ kernels! {
     SrgbDecode = "bitmap::srgb_to_linear", exact(0, 1, 1);
     /// width, height, texels (0x00BBGGRR) | u, v -> rgb.
     SampleBitmap = "bitmap::sample_bitmap", table(3, 2, 3);
+
+    // linear_triangle
+    // emission
+    // subdivide
+    // log_offset
+    // bc1
+    // polynomial
 }
 
 impl Kernel {
+    /// The first half of its name.
+    pub fn module(self) -> &'static str {
+        self.name().split("::").next().unwrap_or("")
+    }
+
     /// Checks slices against the shape.
     ///
     /// # Errors

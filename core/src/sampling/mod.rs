@@ -3,6 +3,7 @@
 //! - [`counter`]: random bits as a pure function of (seed, stream, sample, dimension), and integer hashes.
 //! - [`sobol`]: Owen-scrambled Sobol' points, in small padded groups for paths and in many dimensions for photons.
 //! - [`discrete`]: choice among weighted entries by an integer cumulative distribution.
+//! - [`linear_triangle`]: points with linear density over a triangle.
 //! - [`warp`]: trios `sample_ / pdf_ / invert_` of densities on the sphere, the disk and flat shapes.
 //!
 //! Every random number starts as 32 bits and becomes a float only at the end, by [`u32_to_unit`]; all of the integer part uses 32-bit words
@@ -10,6 +11,7 @@
 
 pub mod counter;
 pub mod discrete;
+pub mod linear_triangle;
 pub mod sobol;
 pub mod warp;
 

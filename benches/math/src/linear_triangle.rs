@@ -1,0 +1,1 @@
+//! Contenders for `linear_triangle`.

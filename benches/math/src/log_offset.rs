@@ -1,0 +1,1 @@
+//! Contenders for `log_offset`.

@@ -1,0 +1,5 @@
+//! Wrong `bc1`.
+
+use super::Mutant;
+
+pub(crate) const MUTANTS: &[Mutant] = &[];

@@ -1,0 +1,5 @@
+//! Wrong `emission`.
+
+use super::Mutant;
+
+pub(crate) const MUTANTS: &[Mutant] = &[];

@@ -1,0 +1,5 @@
+//! Wrong `linear_triangle`.
+
+use super::Mutant;
+
+pub(crate) const MUTANTS: &[Mutant] = &[];

@@ -1,0 +1,5 @@
+//! Wrong `log_offset`.
+
+use super::Mutant;
+
+pub(crate) const MUTANTS: &[Mutant] = &[];

@@ -1,0 +1,5 @@
+//! Wrong `polynomial`.
+
+use super::Mutant;
+
+pub(crate) const MUTANTS: &[Mutant] = &[];

@@ -1,0 +1,5 @@
+//! Wrong `subdivide`.
+
+use super::Mutant;
+
+pub(crate) const MUTANTS: &[Mutant] = &[];

@@ -1,0 +1,1 @@
+//! Log/offset quantisation of numbers in (0, 1] to 8 bits.

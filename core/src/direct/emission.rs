@@ -1,0 +1,1 @@
+//! Emission coefficients of (piece, light) pairs.

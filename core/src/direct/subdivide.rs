@@ -1,0 +1,1 @@
+//! Adaptive subdivision of a lit triangle.

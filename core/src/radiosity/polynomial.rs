@@ -1,0 +1,1 @@
+//! Sums of powers of a transport operator.

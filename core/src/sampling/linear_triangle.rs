@@ -1,0 +1,1 @@
+//! Points of linear density over a triangle.

@@ -1,0 +1,4 @@
+//! Target `bc1`.
+
+/// Checks one input.
+pub fn bc1(_bytes: &[u8]) {}

@@ -1,0 +1,4 @@
+//! Target `emission`.
+
+/// Checks one input.
+pub fn emission(_bytes: &[u8]) {}
