@@ -23,6 +23,8 @@ pub struct AccuracyRow {
     pub mean: f64,
     /// Largest distance from the scalar reference, in the same unit.
     pub peer_worst: f64,
+    /// Mean over all words of the distance from the scalar reference.
+    pub peer_mean: f64,
     /// Where the worst error against the truth, or the worst distance, was met: constants and item.
     pub at: Option<Batch>,
     /// What is allowed.
@@ -81,10 +83,11 @@ pub fn measure(backend: &dyn Backend, kernel: Kernel, count: usize) -> Result<Ac
         worst: 0.0,
         mean: 0.0,
         peer_worst: 0.0,
+        peer_mean: 0.0,
         at: None,
         tolerance: tolerance(kernel),
     };
-    let (mut sum, mut words) = (0.0, 0_u64);
+    let (mut sum, mut peer_sum, mut words) = (0.0, 0.0, 0_u64);
     for batch in inputs(kernel, count) {
         let n = batch.items.len() / shape.item;
         let mut got = vec![0xdead_beef; n * shape.out];
@@ -107,8 +110,10 @@ pub fn measure(backend: &dyn Backend, kernel: Kernel, count: usize) -> Result<Ac
                     for ((e, g), r) in expected.iter().zip(got).zip(reference) {
                         let here = error(*e, *g);
                         worst = worst.max(here);
-                        peer = peer.max(peer_error(*e, *r, *g));
+                        let apart = peer_error(*e, *r, *g);
+                        peer = peer.max(apart);
                         sum += here;
+                        peer_sum += apart;
                         words += 1;
                     }
                 }
@@ -131,61 +136,11 @@ pub fn measure(backend: &dyn Backend, kernel: Kernel, count: usize) -> Result<Ac
         }
     }
     row.mean = sum / words.max(1) as f64;
+    row.peer_mean = peer_sum / words.max(1) as f64;
     Ok(row)
-}
-
-/// The accuracy of every kernel, for [`markdown`].
-///
-/// # Errors
-/// The backend's own.
-pub fn accuracy_table(backend: &dyn Backend) -> Result<Vec<AccuracyRow>, BackendError> {
-    Kernel::ALL.iter().map(|k| measure(backend, *k, FULL_COUNT)).collect()
 }
 
 /// Random items per kernel: a quick look, and the table's.
 pub const QUICK_COUNT: usize = 4_000;
 /// Random items per kernel for the table and the full suite.
 pub const FULL_COUNT: usize = 100_000;
-
-/// Three significant digits, without trailing noise.
-fn short(x: f64) -> String {
-    if x == 0.0 {
-        "0".to_string()
-    } else if !x.is_finite() || x >= 1000.0 {
-        format!("{x:.3e}")
-    } else if x >= 1.0 {
-        format!("{x:.2}")
-    } else {
-        format!("{x:.3}")
-    }
-}
-
-/// The rows as a Markdown table: the same text for the same rows.
-pub fn markdown(info: &BackendInfo, rows: &[AccuracyRow]) -> String {
-    let mut out = format!("## Kernels of `{}`\n\n", info.name);
-    out.push_str(
-        "Truth: an independent implementation in f64. Unit `ulp`: f32 spacing at the truth; `u`: 2^-24 of the scale \
-         that the input's rounding sets (1 for directions). Equal bits: share of items with the scalar reference's \
-         bits. Undecided: items whose answer hangs on a comparison within rounding.\n\n",
-    );
-    out.push_str(
-        "| kernel | cases | undecided | worst | mean | unit | allowed | equal bits | why not zero |\n",
-    );
-    out.push_str("|---|---:|---:|---:|---:|---|---:|---:|---|\n");
-    for r in rows {
-        let t = &r.tolerance;
-        out.push_str(&format!(
-            "| `{}` | {} | {} | {} | {} | {} | {} | {:.4} % | {} |\n",
-            r.kernel.name(),
-            r.cases,
-            r.undecided,
-            short(r.worst),
-            short(r.mean),
-            t.unit,
-            short(t.truth.limit),
-            100.0 * r.equal_share(),
-            t.truth.reason,
-        ));
-    }
-    out
-}

@@ -11,6 +11,7 @@
 )]
 
 pub mod about;
+pub mod accuracy;
 pub mod analytic;
 pub mod golden;
 pub mod inputs;
@@ -24,5 +25,6 @@ pub mod tolerance;
 pub mod trios;
 pub mod truth;
 
-pub use kernels::{AccuracyRow, accuracy_table, markdown};
+pub use accuracy::{accuracy_table, drift, markdown};
+pub use kernels::AccuracyRow;
 pub use suite::{CheckResult, Level, Summary, run};

@@ -1,7 +1,9 @@
 //! Every kernel is covered, and the scalar reference is within its own table.
 
+use etendue_conformance::about::about;
 use etendue_conformance::inputs::inputs;
-use etendue_conformance::kernels::{FULL_COUNT, QUICK_COUNT, markdown, measure};
+use etendue_conformance::kernels::{FULL_COUNT, QUICK_COUNT, measure};
+use etendue_conformance::markdown;
 use etendue_conformance::reference::ReferenceBackend;
 use etendue_conformance::tolerance::tolerance;
 use etendue_core::backend::Backend;
@@ -48,10 +50,12 @@ fn the_reference_is_within_the_table_everywhere() {
 }
 
 #[test]
-fn every_kernel_has_inputs_a_truth_and_a_reason() {
+fn every_kernel_has_inputs_a_truth_a_reason_and_a_source() {
     for k in Kernel::ALL {
         let t = tolerance(*k);
         assert!(!t.truth.reason.is_empty() && !t.peer.reason.is_empty(), "{} has no tolerance", k.name());
+        let words = about(*k);
+        assert!(!words.domain.is_empty() && !words.source.is_empty(), "{} has no domain or source", k.name());
         let shape = k.shape();
         let batches = inputs(*k, 100);
         let items: usize = batches.iter().map(|b| b.items.len() / shape.item).sum();

@@ -3,8 +3,11 @@
 use super::args::{BackendArgs, TalkArgs};
 use super::error::{CliError, NO};
 use crate::engine::open_backend;
-use etendue_conformance::{CheckResult, Level, accuracy_table, markdown, run as run_suite};
+use crate::io::{LoadError, Problem};
+use etendue_conformance::{CheckResult, Level, accuracy_table, drift, markdown, run as run_suite};
+use etendue_core::backend::Backend;
 use serde_json::json;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Options of `conformance`.
@@ -13,9 +16,12 @@ pub(super) struct Args {
     /// More cases and samples: minutes instead of seconds
     #[arg(long)]
     full: bool,
-    /// Print the accuracy tables instead, as Markdown
+    /// Print the accuracy tables instead, as the Markdown file that ships as ACCURACY.md
     #[arg(long)]
     accuracy: bool,
+    /// Measure the accuracy tables and compare them with such a file; exit 1 where a number has drifted
+    #[arg(long, value_name = "FILE", conflicts_with = "accuracy")]
+    drift: Option<PathBuf>,
     #[command(flatten)]
     backend: BackendArgs,
     #[command(flatten)]
@@ -30,6 +36,9 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         let rows = accuracy_table(&*backend)?;
         print!("{}", markdown(&info, &rows));
         return Ok(ExitCode::SUCCESS);
+    }
+    if let Some(file) = &args.drift {
+        return check_drift(file, &*backend);
     }
     let level = if args.full { Level::Full } else { Level::Quick };
     let mut checks = Vec::new();
@@ -72,4 +81,19 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         );
     }
     Ok(if summary.ok() { ExitCode::SUCCESS } else { ExitCode::from(NO) })
+}
+
+/// Whether the tables still say what is measured.
+fn check_drift(file: &Path, backend: &dyn Backend) -> Result<ExitCode, CliError> {
+    let read = |e| LoadError::new(file, Problem::Read(e));
+    let stated = std::fs::read_to_string(file).map_err(read)?;
+    let found = drift(&stated, &markdown(&backend.info(), &accuracy_table(backend)?));
+    for line in &found {
+        println!("drift: {line}");
+    }
+    if found.is_empty() {
+        println!("{}: no number has drifted", file.display());
+        return Ok(ExitCode::SUCCESS);
+    }
+    Ok(ExitCode::from(NO))
 }

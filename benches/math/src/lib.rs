@@ -1,8 +1,10 @@
 //! What the benches share: rivals behind one shape, inputs, and interleaved timing.
 pub mod bc1;
+pub mod draw;
 pub mod emission;
 pub mod figure;
 pub mod linear_triangle;
 pub mod log_offset;
 pub mod polynomial;
 pub mod subdivide;
+pub mod timing;

@@ -1,0 +1,251 @@
+//! Figures as SVG, tables as Markdown.
+
+use crate::figure::{Contest, Curves};
+use crate::timing::Timed;
+use plotters::coord::Shift;
+use plotters::coord::combinators::LogCoord;
+use plotters::prelude::*;
+use std::path::Path;
+
+type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+const SIZE: (u32, u32) = (960, 600);
+/// Dark enough on white, apart for the colour-blind (after Okabe and Ito 2008).
+const COLOURS: [RGBColor; 8] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(110, 110, 110),
+    RGBColor(0, 0, 0),
+];
+
+/// Both axes logarithmic.
+type LogChart<'a, DB> = ChartContext<'a, DB, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+
+/// The smallest and largest of positive values, a factor apart from the frame; a fallback where there are none.
+fn bounds(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
+    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+    for v in values.filter(|v| v.is_finite() && *v > 0.0) {
+        (low, high) = (low.min(v), high.max(v));
+    }
+    if high <= 0.0 { 0.1..10.0 } else { low / 1.8..high * 1.8 }
+}
+
+fn chart<'a, DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    title: &str,
+    labels: [&str; 2],
+    ranges: [std::ops::Range<f64>; 2],
+    right: u32,
+) -> Result<LogChart<'a, DB>, DrawingAreaErrorKind<DB::ErrorType>> {
+    let [x, y] = ranges;
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 20))
+        .margin(12)
+        .margin_right(right)
+        .x_label_area_size(48)
+        .y_label_area_size(76)
+        .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc(labels[0])
+        .y_desc(labels[1])
+        .label_style(("sans-serif", 14))
+        .axis_desc_style(("sans-serif", 15))
+        .light_line_style(RGBColor(240, 240, 240))
+        .x_label_formatter(&|v| short(*v))
+        .y_label_formatter(&|v| short(*v))
+        .draw()?;
+    Ok(chart)
+}
+
+/// Three digits and a power of ten where it is large or small.
+pub fn short(v: f64) -> String {
+    if v == 0.0 {
+        "0".into()
+    } else if (0.01..1e4).contains(&v.abs()) {
+        let digits = (2 - v.abs().log10().floor() as i32).clamp(0, 4) as usize;
+        let text = format!("{v:.digits$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+    } else {
+        format!("{v:.2e}").replace(".00e", "e")
+    }
+}
+
+/// Error over speed, a labelled dot a contender: ours filled, rivals hollow. An error of zero stands on the lower frame,
+/// one that is not a number is left to the table.
+pub fn contest(contest: &Contest, timed: &[Timed], file: &Path) -> Outcome {
+    let root = SVGBackend::new(file, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let ys = bounds(timed.iter().map(|t| t.error));
+    let xs = bounds(timed.iter().map(|t| t.rate));
+    let x_label = format!("{}s per second", contest.item);
+    let mut chart =
+        chart(&root, contest.title, [&x_label, contest.error_label], [xs.clone(), ys.clone()], 30)?;
+    // Labels go to the side that has room, below one another where dots are close.
+    let middle = (xs.start * xs.end).sqrt();
+    let mut placed: Vec<(f64, f64)> = Vec::new();
+    for (i, t) in timed.iter().enumerate() {
+        if !t.error.is_finite() {
+            continue;
+        }
+        let colour = COLOURS[i % COLOURS.len()];
+        let at = (t.rate, if t.error > 0.0 { t.error } else { ys.start });
+        let height = (ys.end / ys.start).ln();
+        let mut level = at.1;
+        while placed
+            .iter()
+            .any(|p| (p.1 / level).ln().abs() < 0.03 * height && (p.0 > middle) == (at.0 > middle))
+        {
+            level *= (0.031 * height).exp();
+        }
+        placed.push((at.0, level));
+        let style = if t.ours { colour.filled() } else { colour.stroke_width(2) };
+        chart.draw_series([Circle::new(at, 5, style)])?;
+        let width = 7 * t.name.len() as i32;
+        let shift = if at.0 > middle { -width - 10 } else { 10 };
+        let lift = -(((level / at.1).ln() / height) * f64::from(SIZE.1 - 120)) as i32;
+        chart.draw_series([EmptyElement::at(at)
+            + Text::new(t.name.clone(), (shift, lift - 7), ("sans-serif", 14).into_font().color(&colour))])?;
+    }
+    root.present()?;
+    Ok(())
+}
+
+/// Curves with a legend at the upper right.
+pub fn curves(curves: &Curves, file: &Path) -> Outcome {
+    let root = SVGBackend::new(file, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let points = || curves.series.iter().flat_map(|s| &s.points);
+    let xs = bounds(points().map(|p| p.0));
+    let ys = bounds(points().map(|p| p.1));
+    let mut chart = chart(&root, curves.title, [curves.x_label, curves.y_label], [xs, ys], 30)?;
+    for (i, s) in curves.series.iter().enumerate() {
+        let colour = COLOURS[i % COLOURS.len()];
+        let shown = || s.points.iter().copied().filter(|p| p.0 > 0.0 && p.1 > 0.0 && p.1.is_finite());
+        chart
+            .draw_series(LineSeries::new(shown(), colour.stroke_width(2)))?
+            .label(s.name.clone())
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], colour.stroke_width(2)));
+        chart.draw_series(shown().map(|p| Circle::new(p, 3, colour.filled())))?;
+    }
+    chart
+        .configure_series_labels()
+        .background_style(WHITE.mix(0.85))
+        .border_style(RGBColor(200, 200, 200))
+        .label_font(("sans-serif", 14))
+        .position(SeriesLabelPosition::UpperRight)
+        .draw()?;
+    root.present()?;
+    Ok(())
+}
+
+/// One row a contender.
+pub fn contest_table(contest: &Contest, timed: &[Timed]) -> String {
+    let first = timed.first().map_or("", |t| t.name.as_str());
+    let mut out = format!(
+        "| contender | {} | {}s/s | speed over `{first}` (least to most) |\n|---|---:|---:|---:|\n",
+        contest.error_label, contest.item
+    );
+    for t in timed {
+        let name = if t.ours { format!("**{}**", t.name) } else { t.name.clone() };
+        out += &format!(
+            "| {name} | {} | {} | {} ({} to {}) |\n",
+            if t.error.is_nan() { "NaN".into() } else { short(t.error) },
+            short(t.rate),
+            short(t.ratio),
+            short(t.spread[0]),
+            short(t.spread[1])
+        );
+    }
+    out
+}
+
+/// One row a point of the horizontal axis, one column a curve.
+pub fn curves_table(curves: &Curves) -> String {
+    let names: Vec<_> = curves.series.iter().map(|s| s.name.as_str()).collect();
+    let mut xs: Vec<f64> = curves.series.iter().flat_map(|s| s.points.iter().map(|p| p.0)).collect();
+    xs.sort_by(f64::total_cmp);
+    xs.dedup();
+    let shared = curves.series.iter().all(|s| s.points.len() == xs.len());
+    if !shared {
+        // Curves with points of their own: each in its own words.
+        return curves.series.iter().fold(String::new(), |out, s| {
+            let points: Vec<_> =
+                s.points.iter().map(|p| format!("{} at {}", short(p.1), short(p.0))).collect();
+            out + &format!("- {}: {}\n", s.name, points.join(", "))
+        });
+    }
+    let mut out =
+        format!("| {} | {} |\n|---:|{}\n", curves.x_label, names.join(" | "), "---:|".repeat(names.len()));
+    for (i, x) in xs.iter().enumerate() {
+        let row: Vec<_> = curves.series.iter().map(|s| short(s.points[i].1)).collect();
+        out += &format!("| {} | {} |\n", short(*x), row.join(" | "));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::{Contender, Series};
+    use crate::timing;
+
+    fn pretended() -> Contest {
+        let one = |name: &str, ours, error, n: u32| Contender {
+            name: name.into(),
+            ours,
+            error,
+            work: Box::new(move || {
+                std::hint::black_box((0..n).fold(0_u32, |a, x| std::hint::black_box(a ^ x)));
+            }),
+        };
+        let contenders = vec![
+            one("slow and exact", true, 0.0, 80_000),
+            one("middling", true, 1e-3, 20_000),
+            one("rival of the same speed 1.2", false, 1.2e-3, 20_000),
+            one("fast", false, 2e-2, 1000),
+            one("never", false, f64::NAN, 1000),
+        ];
+        let (error_label, item) = ("relative error", "item");
+        Contest { title: "A contest", file: "contest", error_label, item, items: 1000, contenders }
+    }
+
+    #[test]
+    fn figures_and_tables_name_every_contender() {
+        let mut c = pretended();
+        let timed = timing::run(&mut c, 3, 1e-4);
+        let file = std::env::temp_dir().join(format!("etendue-figure-{}.svg", std::process::id()));
+        contest(&c, &timed, &file).expect("a figure");
+        let svg = std::fs::read_to_string(&file).expect("a file");
+        let table = contest_table(&c, &timed);
+        for t in &timed {
+            assert!(table.contains(&t.name), "{table}");
+            assert!(t.error.is_nan() || svg.contains(&t.name), "{} is not drawn", t.name);
+        }
+        // More work is slower, whatever the machine does.
+        assert!(timed[3].ratio > timed[1].ratio && timed[1].ratio > timed[0].ratio, "{timed:?}");
+        let series = |name: &str, shift: f64| Series {
+            name: name.into(),
+            points: (1..6).map(|x| (f64::from(x), shift / f64::from(x * x))).collect(),
+        };
+        let list = vec![series("one", 1.0), series("two", 3.0)];
+        let curve = Curves { title: "Curves", file: "curves", x_label: "x", y_label: "y", series: list };
+        curves(&curve, &file).expect("a figure");
+        assert!(std::fs::read_to_string(&file).expect("a file").contains("two"));
+        assert_eq!(curves_table(&curve).lines().count(), 7);
+        std::fs::remove_file(file).expect("it was there");
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let list =
+            [(0.0, "0"), (1.0, "1"), (0.123_456, "0.123"), (12.345, "12.3"), (123.4, "123"), (5e-7, "5e-7")];
+        for (x, text) in list {
+            assert_eq!(short(x), text);
+        }
+    }
+}
