@@ -54,6 +54,13 @@ impl Double {
         two_sum(q, (((self.hi - p.hi) - p.lo) + self.lo) / d)
     }
 
+    /// 1 / self for a number that is not zero, by the first terms of the series about the quotient in f64.
+    pub(super) fn inverse(self) -> Self {
+        let first = 1.0 / self.hi;
+        let rest = Self::ONE.plus(self.times(Self::new(first)).negated());
+        Self::new(first).plus(Self::new(first).times(rest)).plus(Self::new(first).times(rest).times(rest))
+    }
+
     pub(super) fn negated(self) -> Self {
         Self { hi: -self.hi, lo: -self.lo }
     }

@@ -50,7 +50,7 @@ impl Quantiser for ByFormula {
 /// Precondition: `width` and `max` as [`super::LogOffset::try_new`] takes them; others give a number that means nothing
 /// (finite for finite arguments).
 ///
-/// Relative error below (2 |a| + 3) 2^-24, a the exponent ((2 |a| + 5) 2^-24 where a < -86). [`super::LogOffset`]'s table has the same numbers correctly rounded.
+/// Relative error below (3 |a| + 3) 2^-24, a the exponent ((3 |a| + 5) 2^-24 where a < -86); 2 |a| at whole levels. [`super::LogOffset`]'s table has the same numbers correctly rounded.
 #[inline]
 #[must_use]
 pub fn value_at(width: f32, max: f32, level: f32) -> f32 {
@@ -62,7 +62,7 @@ pub fn value_at(width: f32, max: f32, level: f32) -> f32 {
 ///
 /// With u the upper end of the cell as a fraction of `max` and d its width in the logarithm: `max u (1 - e^-d) / d`. In
 /// mid-range this is [`value_at`] times sinh(h)/h, h = d/2; at level 255 it is `max (1 - e^-h) / h`. A level below 1/2 (and
-/// NaN) is exactly 0. Precondition as for [`value_at`], relative error below (2 |a| + 6) 2^-24.
+/// NaN) is exactly 0. Precondition as for [`value_at`], relative error below (3 |a| + 6) 2^-24.
 #[inline]
 #[must_use]
 pub fn mean_at(width: f32, max: f32, level: f32) -> f32 {
