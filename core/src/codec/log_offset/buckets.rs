@@ -11,8 +11,9 @@ use crate::math;
 /// Room for the buckets of any table of [`super::LogOffset`].
 ///
 /// With steps of s in the logarithm, L is the largest that will do; with L + 1 some bucket of ratio 1 + rho has two
-/// thresholds, so 2^(22-L) < 1/(e^s - 1) < 1/s. A range of width w < 255 s then has at most 2^(23-L) min(w/ln 2 + 0.087, 2 w)
-/// < 1020 buckets, and two for its ends (the rounding of the thresholds adds 2^-11 of that).
+/// thresholds, so 2^(22-L) < 1/(e^s - 1) < 1/s. A range of width w < 255 s then has at most
+/// 2^(23-L) min(w/ln 2 + 0.087, 2 w) < 1020 buckets, and two for its ends (the rounding of the thresholds adds 2^-11 of
+/// that). Seldom more than 740 are in use.
 const ROOM: usize = 1024;
 
 /// The table.

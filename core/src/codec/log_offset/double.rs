@@ -80,17 +80,11 @@ impl Double {
 
     /// The least f32 that is not below a positive number.
     pub(super) fn ceiling(self) -> f32 {
+        // The nearest f32 of hi: where it is above, its lower neighbour is below.
         let x = self.hi as f32;
         let wide = f64::from(x);
-        if wide < self.hi || (wide == self.hi && self.lo > 0.0) { x.next_up() } else { least(x, self) }
+        if wide < self.hi || (wide == self.hi && self.lo > 0.0) { x.next_up() } else { x }
     }
-}
-
-/// `x`, or its lower neighbour if that is not below `y` either (`x` is the nearest f32 of y.hi, so no other can be).
-fn least(x: f32, y: Double) -> f32 {
-    let below = x.next_down();
-    let wide = f64::from(below);
-    if wide > y.hi || (wide == y.hi && y.lo <= 0.0) { below } else { x }
 }
 
 /// e^-r for 0 <= r <= 0.36, by Taylor's series to r^26 / 26! < 2^-120.

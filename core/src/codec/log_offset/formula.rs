@@ -27,7 +27,11 @@ impl ByFormula {
     /// positive.
     pub fn level(&self, x: f32) -> f32 {
         if x > 0.0 && self.max > 0.0 {
-            math::clamp((math::ln(x / self.max) + self.width) * (255.0 / self.width), 0.0, 255.0)
+            let ratio = x / self.max;
+            // A quotient that loses digits, or all of them, is taken in the logarithm.
+            let log =
+                if ratio >= f32::MIN_POSITIVE { math::ln(ratio) } else { math::ln(x) - math::ln(self.max) };
+            math::clamp((log + self.width) * (255.0 / self.width), 0.0, 255.0)
         } else {
             0.0
         }
@@ -50,7 +54,8 @@ impl Quantiser for ByFormula {
 /// Precondition: `width` and `max` as [`super::LogOffset::try_new`] takes them; others give a number that means nothing
 /// (finite for finite arguments).
 ///
-/// Relative error below (3 |a| + 3) 2^-24, a the exponent ((3 |a| + 5) 2^-24 where a < -86); 2 |a| at whole levels. [`super::LogOffset`]'s table has the same numbers correctly rounded.
+/// Relative error below (3 |a| + 3) 2^-24, a the exponent ((3 |a| + 5) 2^-24 where a < -86). The table of
+/// [`super::LogOffset`] has the numbers of whole levels correctly rounded.
 #[inline]
 #[must_use]
 pub fn value_at(width: f32, max: f32, level: f32) -> f32 {
