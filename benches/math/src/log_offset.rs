@@ -105,12 +105,15 @@ impl MiniFloat {
     }
 }
 
-/// A way there and back: loops over slices of numbers and codes.
+/// A loop over slices.
+type Loop<A, B> = Rc<dyn Fn(&[A], &mut [B])>;
+
+/// A way there and back.
 struct Way<C> {
     name: &'static str,
     ours: bool,
-    encode: Rc<dyn Fn(&[f32], &mut [C])>,
-    decode: Rc<dyn Fn(&[C], &mut [f32])>,
+    encode: Loop<f32, C>,
+    decode: Loop<C, f32>,
 }
 
 impl<C: Copy + Default + 'static> Way<C> {

@@ -104,3 +104,49 @@ pub(super) fn mean_exp_symmetric(h: Double) -> Double {
         Double::ONE.plus(square.times(s).over(f64::from(2 * n) * f64::from(2 * n + 1)))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// |a / b - 1| below 2^-97, of which f64 alone would miss 2^44.
+    fn near(a: Double, b: Double) {
+        let rest = a.plus(b.negated());
+        let error = (rest.hi + rest.lo).abs() / b.hi;
+        assert!(error <= 6.3e-30, "{a:?} is not {b:?}: {error:e}");
+    }
+
+    #[test]
+    fn identities_hold_in_twice_the_precision() {
+        for r in [1.2e-4, 0.001, 0.0225, 0.049, 0.1, 0.17] {
+            let r = Double::new(r).over(3.0);
+            let (once, double) = (exp_negative(r), r.plus(r));
+            near(once.times(once), exp_negative(double));
+            near(once.times(once.inverse()), Double::ONE);
+            // r (1 - e^-r)/r + e^-r = 1, and 2 r sinh(r)/r + e^-r = e^r.
+            near(r.times(mean_exp_negative(r)).plus(once), Double::ONE);
+            let sinh = double.times(mean_exp_symmetric(r)).plus(once);
+            near(sinh, once.inverse());
+        }
+    }
+
+    #[test]
+    fn both_roundings_mind_the_lower_part() {
+        let ulp = f64::from(f32::EPSILON);
+        let of = |hi, lo| Double { hi, lo };
+        let (one, next) = (1.0_f32, 1.0_f32.next_up());
+        for lo in [1e-20, 1e-30] {
+            assert_eq!([of(1.0, -lo), of(1.0, 0.0), of(1.0, lo)].map(Double::ceiling), [one, one, next]);
+            // A tie goes to the even neighbour, unless the lower part decides.
+            let (tie, above) = (1.0 + 0.5 * ulp, 1.0 + 1.5 * ulp);
+            assert_eq!([of(tie, -lo), of(tie, 0.0), of(tie, lo)].map(Double::nearest), [one, one, next]);
+            let far = next.next_up();
+            assert_eq!(
+                [of(above, -lo), of(above, 0.0), of(above, lo)].map(Double::nearest),
+                [next, far, far]
+            );
+        }
+        assert_eq!(of(1.0 + 0.9 * ulp, 0.0).ceiling(), next);
+        assert_eq!(of(1.0 + 0.1 * ulp, 0.0).ceiling(), next);
+    }
+}
