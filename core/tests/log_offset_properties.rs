@@ -313,3 +313,16 @@ fn slices_equal_single_calls_at_every_length() {
         }
     }
 }
+
+#[test]
+fn levels_end_where_codes_do() {
+    let (below, half) = (0.5_f32.next_down(), 0.5);
+    for decode in [value_at, mean_at] {
+        for level in [below, 0.0, -0.0, -1.0, f32::NEG_INFINITY, f32::NAN] {
+            assert_eq!(decode(25.0, 1.0, level), 0.0);
+        }
+        assert!(decode(25.0, 1.0, half) > 0.0);
+        assert_eq!(decode(25.0, 0.7, 255.0), decode(25.0, 0.7, f32::INFINITY));
+    }
+    assert_eq!(value_at(25.0, 0.7, 255.0), 0.7);
+}
