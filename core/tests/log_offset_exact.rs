@@ -12,8 +12,8 @@ const BITS: u32 = 120;
 fn wide(a: u128, b: u128) -> (u128, u128) {
     let low = |x: u128| x & u128::from(u64::MAX);
     let (a1, a0, b1, b0) = (a >> 64, low(a), b >> 64, low(b));
-    let middle = (a0 * b0 >> 64) + low(a1 * b0) + low(a0 * b1);
-    let upper = a1 * b1 + (a1 * b0 >> 64) + (a0 * b1 >> 64) + (middle >> 64);
+    let middle = ((a0 * b0) >> 64) + low(a1 * b0) + low(a0 * b1);
+    let upper = a1 * b1 + ((a1 * b0) >> 64) + ((a0 * b1) >> 64) + (middle >> 64);
     (upper, a.wrapping_mul(b))
 }
 
@@ -33,7 +33,7 @@ fn parts(x: f32) -> (u128, i32) {
 fn exp_negative(width: f32, k: u32) -> u128 {
     let (m, e) = parts(width);
     let (n, shift) = (m * u128::from(k), (BITS as i32 + e - 12) as u32);
-    let t = (n / 510 << shift) + ((n % 510) << shift) / 510;
+    let t = ((n / 510) << shift) + ((n % 510) << shift) / 510;
     let (mut term, mut sum) = (1_u128 << BITS, 1_u128 << BITS);
     for i in 1..30_u128 {
         term = times(term, t) / i;
