@@ -25,6 +25,7 @@ impl ByFormula {
 
     /// The level of `x` before rounding, `(ln(x / max) + width) 255 / width`, cut to [0, 255]; 0 for NaN and what is not
     /// positive.
+    #[inline]
     pub fn level(&self, x: f32) -> f32 {
         if x > 0.0 && self.max > 0.0 {
             let ratio = x / self.max;
@@ -39,10 +40,12 @@ impl ByFormula {
 }
 
 impl Quantiser for ByFormula {
+    #[inline]
     fn encode(&self, x: f32) -> u8 {
         math::round(self.level(x)) as u8
     }
 
+    #[inline]
     fn decode(&self, code: u8) -> f32 {
         value_at(self.width, self.max, f32::from(code))
     }
@@ -87,13 +90,10 @@ pub fn mean_at(width: f32, max: f32, level: f32) -> f32 {
 fn decayed(max: f32, width: f32, level: f32) -> f32 {
     // In this order: the product is exact for widths of few bits, such as 25.
     let a = math::min((level - 255.0) * width / 255.0, 0.0);
-    if a >= -86.0 {
-        max * math::exp(a)
-    } else {
-        // e^a alone may be subnormal where the product is not.
-        let half = math::exp(0.5 * a);
-        max * half * half
-    }
+    // Below, e^a alone may be subnormal where the product is not: its root is taken twice. No branch, one exponential.
+    let twice = a < -86.0;
+    let e = math::exp(if twice { 0.5 * a } else { a });
+    max * e * if twice { e } else { 1.0 }
 }
 
 /// (1 - e^-d) / d on [0, 0.7] by Taylor's series, its rest below 2^-28 (no difference of near numbers is taken).
