@@ -124,6 +124,11 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
         // emission
         // subdivide
         // log_offset
+        K::LogOffsetEncode => exact(),
+        K::LogOffsetLookUp => exact(),
+        K::LogOffsetDecode | K::LogOffsetDecodeMean => {
+            float("u", 3.0, "exponent rounded twice, exponential and product, over 1 + |exponent|")
+        }
         // bc1
         // polynomial
         // A kernel without an entry allows nothing and says so: the coverage test fails on it.

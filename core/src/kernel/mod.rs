@@ -201,6 +201,14 @@ kernels! {
     // emission
     // subdivide
     // log_offset
+    /// 255 thresholds, never decreasing | x -> code.
+    LogOffsetEncode = "log_offset::encode", exact(255, 1, 1);
+    /// 256 numbers | code (higher bits are ignored) -> number.
+    LogOffsetLookUp = "log_offset::look_up", exact(256, 1, 1);
+    /// width, max | level (0 to 255, fractions too) -> number.
+    LogOffsetDecode = "log_offset::decode", exact(2, 1, 1);
+    /// width, max | level (0 to 255, fractions too) -> mean of the cell.
+    LogOffsetDecodeMean = "log_offset::decode_mean", exact(2, 1, 1);
     // bc1
     // polynomial
 }

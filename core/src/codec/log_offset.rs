@@ -1,1 +1,0 @@
-//! Log/offset quantisation of numbers in (0, 1] to 8 bits.
