@@ -73,7 +73,12 @@ crate::simd::widest! {
     /// x
     pub fn ls_arrays(texels: &[Texels], out: &mut [Block]) { bc1::ls_blocks(texels, out); }
 }
-crate::simd::widest! {
-    /// x
-    pub fn encode_blocks(texels: &[Texels], quality: bc1::Quality, black: bc1::Black, out: &mut [Block]) { bc1::encode_blocks(texels, quality, black, out); }
+
+impl bc1::Eight for Wide {
+    #[inline(always)] fn read(x: &[f32; 8]) -> Self { Self(u!(_mm256_loadu_ps(x.as_ptr()))) }
+    #[inline(always)] fn write(self) -> [f32; 8] { let mut o = [0.0; 8]; u!(_mm256_storeu_ps(o.as_mut_ptr(), self.0)); o }
 }
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn wide_search(texels: &[Texels], quality: bc1::Quality, black: bc1::Black, out: &mut [Block]) { bc1::encode_blocks::<Wide>(texels, quality, black, out); }
+/// x
+pub fn encode_blocks(texels: &[Texels], quality: bc1::Quality, black: bc1::Black, out: &mut [Block]) { u!(wide_search(texels, quality, black, out)) }

@@ -4,12 +4,12 @@
 //! what the regression explains of the variance is |sum w q (x - mean)|^2 / S_qq with S_qq = sum w q^2 - (sum w q)^2 / W.
 //! q is the number of run starts at or before the texel, so that the first sum is a sum of one prefix sum per start,
 //! and S_qq depends on the weights alone: a table where all texels count alike. So every split costs a few operations,
-//! and 816 splits into four runs are tried as 16 lanes of the last start.
+//! and 816 splits into four runs are tried as lanes of the last start.
 
-use super::lanes::{Lanes, Vector};
+use super::lanes::{Eight, Lanes, Vector, halves, sum};
 use super::least_squares::axis;
 use super::palette::five;
-use super::score::{Candidate, Mode, Target, candidate, sum};
+use super::score::{Codes, Mode, Target};
 use crate::math;
 
 /// Sums over the texels that count.
@@ -20,36 +20,38 @@ pub(super) struct Moments {
     pub(super) axis: [f32; 3],
 }
 
-#[inline(always)]
-pub(super) fn moments(t: &Target) -> Moments {
-    let weighted = |f: &dyn Fn(usize) -> f32| {
-        let mut x = [0.0; 16];
-        for (i, x) in x.iter_mut().enumerate() {
-            *x = t.w[i] * f(i);
-        }
-        sum(x)
-    };
-    let total = sum(t.w);
-    let mut mean = [0.0; 3];
-    for (c, mean) in mean.iter_mut().enumerate() {
-        *mean = weighted(&|i| t.x[c][i]) / total;
+impl Moments {
+    /// A mean alone.
+    #[inline(always)]
+    pub(super) fn of_mean(mean: [f32; 3]) -> Self {
+        Self { total: 0.0, mean, axis: [0.0; 3] }
     }
-    let covariance = |a: usize, b: usize| Lanes([weighted(&|i| (t.x[a][i] - mean[a]) * (t.x[b][i] - mean[b]))]);
-    let axis = axis([
-        covariance(0, 0),
-        covariance(0, 1),
-        covariance(0, 2),
-        covariance(1, 1),
-        covariance(1, 2),
-        covariance(2, 2),
-    ]);
-    Moments { total, mean, axis: axis.map(|x| x.bits()[0]).map(f32::from_bits) }
+}
+
+#[inline(always)]
+pub(super) fn moments<V: Eight>(t: &Target) -> Moments {
+    let w = halves::<V>(&t.w);
+    let total = sum(w[0], w[1]);
+    let mut mean = [0.0; 3];
+    let mut centred = [w; 3];
+    for c in 0..3 {
+        let x = halves::<V>(&t.x[c]);
+        mean[c] = sum(w[0].mul(x[0]), w[1].mul(x[1])) / total;
+        centred[c] = [x[0].sub(V::splat(mean[c])), x[1].sub(V::splat(mean[c]))];
+    }
+    let mut covariance = [Lanes([0.0]); 6];
+    for (k, (a, b)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate() {
+        let of = |h: usize| w[h].mul(centred[a][h]).mul(centred[b][h]);
+        covariance[k] = Lanes([sum(of(0), of(1))]);
+    }
+    let [x, y, z] = axis(covariance);
+    Moments { total, mean, axis: [x.0[0], y.0[0], z.0[0]] }
 }
 
 /// The texels in their order along an axis.
 pub(super) struct Order {
-    /// Which texel stands at a place.
-    pub(super) texel: [u8; 16],
+    /// The place of each texel.
+    place: [f32; 16],
     /// Before place k: sums of w (x - mean).
     before: [[f32; 16]; 3],
     /// From place k on: sums of w.
@@ -60,24 +62,43 @@ pub(super) struct Order {
 }
 
 #[inline(always)]
-pub(super) fn order(t: &Target, m: &Moments, axis: [f32; 3]) -> Order {
-    let mut at = [0.0; 16];
-    for (i, at) in at.iter_mut().enumerate() {
-        *at = axis[0] * t.x[0][i] + axis[1] * t.x[1][i] + axis[2] * t.x[2][i];
-    }
-    // The place of a texel is how many stand before it; among equals the lower index does.
-    let mut place = [0_u32; 16];
-    for j in 0..16 {
-        let x = at[j];
-        for i in 0..16 {
-            place[i] += u32::from(if j < i { x <= at[i] } else { x < at[i] });
+pub(super) fn order<V: Eight>(t: &Target, m: &Moments, axis: [f32; 3]) -> Order {
+    let mut at = [V::splat(0.0); 2];
+    for c in 0..3 {
+        let x = halves::<V>(&t.x[c]);
+        for h in 0..2 {
+            at[h] = at[h].add(x[h].mul(V::splat(axis[c])));
         }
     }
-    let mut texel = [0_u8; 16];
-    for (i, place) in place.iter().enumerate() {
-        texel[(place & 15) as usize] = i as u8;
+    let flat = [at[0].write(), at[1].write()];
+    // The place of a texel is how many stand before it; among equals the lower index does, which the second sum adds.
+    let mut place = [V::splat(0.0); 2];
+    let (zero, one) = (V::splat(0.0), V::splat(1.0));
+    for x in flat.as_flattened() {
+        for h in 0..2 {
+            place[h] = place[h].add(at[h].pick(V::splat(*x), one, zero));
+        }
     }
-    let mut out = Order { texel, before: [[0.0; 16]; 3], after: [m.total; 16], total: m.total, alike: t.alike };
+    let mut places = [0.0; 16];
+    places[..8].copy_from_slice(&place[0].write());
+    places[8..].copy_from_slice(&place[1].write());
+    // Equal positions have equal counts: the next free place of a run of equals is its count plus those already seated.
+    let mut seated = [0_u8; 16];
+    let mut texel = [0_u8; 16];
+    for (i, place) in places.iter_mut().enumerate() {
+        let count = *place as usize & 15;
+        let at = (count + usize::from(seated[count])) & 15;
+        seated[count] += 1;
+        texel[at] = i as u8;
+        *place = at as i32 as f32;
+    }
+    let mut out = Order {
+        place: places,
+        before: [[0.0; 16]; 3],
+        after: [m.total; 16],
+        total: m.total,
+        alike: t.alike,
+    };
     for k in 1..16 {
         let i = usize::from(texel[k - 1] & 15);
         for c in 0..3 {
@@ -138,140 +159,122 @@ static INVERSE3: [[f32; 16]; 16] = {
     out
 };
 
-/// The best split for each place of the last start: what it explains, and i << 4 | j.
+/// The best split for each place of the last start: what it explains, and 16 i + j as a float.
 pub(super) struct Splits {
     pub(super) gain: [f32; 16],
-    pub(super) starts: [u32; 16],
+    starts: [f32; 16],
 }
 
+/// All splits into four runs, or three where `four` is not set (some may be empty).
 #[inline(always)]
-fn take(splits: &mut Splits, o: &Order, base: [f32; 3], inverse: &[f32; 16], starts: u32) {
-    for k in 0..16 {
-        let v = [base[0] + o.before[0][k], base[1] + o.before[1][k], base[2] + o.before[2][k]];
-        let gain = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) * inverse[k];
-        let better = gain > splits.gain[k];
-        splits.gain[k] = if better { gain } else { splits.gain[k] };
-        splits.starts[k] = if better { starts } else { splits.starts[k] };
-    }
-}
-
-/// All splits into four runs (some may be empty).
-#[inline(always)]
-pub(super) fn split4(o: &Order) -> Splits {
-    let mut splits = Splits { gain: [0.0; 16], starts: [0; 16] };
+pub(super) fn split<V: Eight>(o: &Order, four: bool) -> Splits {
+    let before = [halves::<V>(&o.before[0]), halves::<V>(&o.before[1]), halves::<V>(&o.before[2])];
+    let zero = V::splat(0.0);
+    let (mut gain, mut starts) = ([zero; 2], [zero; 2]);
     for i in 0..16 {
-        for j in i..16 {
-            let base = [0, 1, 2].map(|c: usize| o.before[c][i] + o.before[c][j]);
-            let starts = (i << 4 | j) as u32;
-            if o.alike {
-                take(&mut splits, o, base, &INVERSE4[i][j], starts);
+        // With three runs there is no second start.
+        for j in i..if four { 16 } else { i + 1 } {
+            let mut weighted = [0.0; 16];
+            let inverse = if o.alike {
+                if four { &INVERSE4[i][j] } else { &INVERSE3[i] }
             } else {
-                let mut inverse = [0.0; 16];
-                for (k, x) in inverse.iter_mut().enumerate() {
-                    *x = inverse4(&o.after, o.total, i, j, k);
+                for (k, x) in weighted.iter_mut().enumerate() {
+                    *x = if four {
+                        inverse4(&o.after, o.total, i, j, k)
+                    } else {
+                        inverse3(&o.after, o.total, i, k)
+                    };
                 }
-                take(&mut splits, o, base, &inverse, starts);
+                &weighted
+            };
+            let inverse = halves::<V>(inverse);
+            let mut base = [zero; 3];
+            for c in 0..3 {
+                base[c] = V::splat(o.before[c][i] + if four { o.before[c][j] } else { 0.0 });
+            }
+            let which = V::splat((16 * i + j) as i32 as f32);
+            // The last start is not before j.
+            for h in j / 8..2 {
+                let v = [base[0].add(before[0][h]), base[1].add(before[1][h]), base[2].add(before[2][h])];
+                let length = v[0].mul(v[0]).add(v[1].mul(v[1])).add(v[2].mul(v[2]));
+                let here = length.mul(inverse[h]);
+                starts[h] = here.pick(gain[h], which, starts[h]);
+                gain[h] = here.max(gain[h]);
             }
         }
     }
-    splits
+    let join = |x: [V; 2]| {
+        let mut out = [0.0; 16];
+        out[..8].copy_from_slice(&x[0].write());
+        out[8..].copy_from_slice(&x[1].write());
+        out
+    };
+    Splits { gain: join(gain), starts: join(starts) }
 }
 
-/// All splits into three runs.
-#[inline(always)]
-pub(super) fn split3(o: &Order) -> Splits {
-    let mut splits = Splits { gain: [0.0; 16], starts: [0; 16] };
-    for i in 0..16 {
-        let base = [0, 1, 2].map(|c: usize| o.before[c][i]);
-        if o.alike {
-            take(&mut splits, o, base, &INVERSE3[i], (i << 4) as u32);
-        } else {
-            let mut inverse = [0.0; 16];
-            for (k, x) in inverse.iter_mut().enumerate() {
-                *x = inverse3(&o.after, o.total, i, k);
+impl Splits {
+    /// Takes the split of largest gain out (the lowest lane among equals): the step of each texel.
+    #[inline(always)]
+    pub(super) fn take(&mut self, o: &Order, four: bool) -> Option<[f32; 16]> {
+        let (mut most, mut lane) = (0.0, None);
+        for (k, gain) in self.gain.iter().enumerate() {
+            if *gain > most {
+                (most, lane) = (*gain, Some(k));
             }
-            take(&mut splits, o, base, &inverse, (i << 4) as u32);
         }
-    }
-    splits
-}
-
-/// The lane of largest gain, the lowest among equals; `None` if none gains.
-#[inline(always)]
-pub(super) fn best(gain: &[f32; 16]) -> Option<usize> {
-    let (mut most, mut lane) = (0.0, None);
-    for (k, gain) in gain.iter().enumerate() {
-        if *gain > most {
-            (most, lane) = (*gain, Some(k));
+        let k = lane?;
+        self.gain[k] = 0.0;
+        let starts = self.starts[k] as u32;
+        let (i, j) = ((starts >> 4) as i32 as f32, (starts & 15) as i32 as f32);
+        let k = k as i32 as f32;
+        let mut q = [0.0; 16];
+        for (q, place) in q.iter_mut().zip(o.place) {
+            let from = |start: f32| if place >= start { 1.0 } else { 0.0 };
+            *q = from(i) + from(k) + if four { from(j) } else { 0.0 };
         }
+        Some(q)
     }
-    lane
-}
-
-/// The step of each texel under lane `k` of the splits.
-#[inline(always)]
-pub(super) fn steps(o: &Order, splits: &Splits, k: usize, mode: Mode) -> [f32; 16] {
-    let (i, j) = ((splits.starts[k & 15] >> 4) as usize, (splits.starts[k & 15] & 15) as usize);
-    let mut q = [0.0; 16];
-    for (place, texel) in o.texel.iter().enumerate() {
-        let from = |start: usize| if place >= start { 1.0 } else { 0.0 };
-        q[usize::from(texel & 15)] = from(i) + from(k) + if mode == Mode::Four { from(j) } else { 0.0 };
-    }
-    q
-}
-
-/// Steps of the texels under a candidate's own nearest entries; those nearest to black get weight 0.
-#[inline(always)]
-pub(super) fn steps_of(index: &[u32; 16], mode: Mode) -> [f32; 16] {
-    let table = if mode == Mode::Four { [0.0, 3.0, 1.0, 2.0] } else { [0.0, 2.0, 1.0, 0.0] };
-    index.map(|p| table[(p & 3) as usize])
 }
 
 /// The endpoints that suit given steps best, on the grid of codes: in each channel the codes around the regression's
 /// first endpoint are tried, each with the second that is best for it, by the exact quadratic error of the steps.
+///
+/// `w` may leave out texels that have their entry elsewhere; it must not be all zeros.
 #[inline(always)]
-pub(super) fn refit(t: &Target, q: &[f32; 16], mode: Mode) -> Candidate {
+pub(super) fn refit<V: Eight>(t: &Target, w: &[f32; 16], q: &[f32; 16], mode: Mode) -> Codes {
     let most = if mode == Mode::Four { 3.0 } else { 2.0 };
-    let mut terms = [[0.0; 16]; 9];
-    for i in 0..16 {
-        let (w, b) = (t.w[i], q[i]);
-        let a = most - b;
-        terms[0][i] = w * a * a;
-        terms[1][i] = w * a * b;
-        terms[2][i] = w * b * b;
-        for c in 0..3 {
-            terms[3 + c][i] = w * a * t.x[c][i];
-            terms[6 + c][i] = w * b * t.x[c][i];
-        }
-    }
-    let mut s = [0.0; 9];
-    for (s, terms) in s.iter_mut().zip(terms) {
-        *s = sum(terms);
-    }
-    let [aa, ab, bb] = [s[0], s[1], s[2]];
+    let (w, q) = (halves::<V>(w), halves::<V>(q));
+    let a = [V::splat(most).sub(q[0]), V::splat(most).sub(q[1])];
+    let (wa, wq) = ([w[0].mul(a[0]), w[1].mul(a[1])], [w[0].mul(q[0]), w[1].mul(q[1])]);
+    let dot = |x: [V; 2], y: [V; 2]| sum(x[0].mul(y[0]), x[1].mul(y[1]));
+    let (aa, ab, bb) = (dot(wa, a), dot(wa, q), dot(wq, q));
     let determinant = aa * bb - ab * ab;
+    let (one_sided, inverse) = (determinant <= 1e-3 * aa * bb, 1.0 / determinant);
+    let inverse_b = 1.0 / bb;
     let mut codes = [[0; 2]; 3];
     for c in 0..3 {
         let levels = if five(c) { 31.0 } else { 63.0 };
+        let x = halves::<V>(&t.x[c]);
         // In units of codes: x = 255 / levels * code.
         let scale = levels / 255.0 * most;
-        let (ax, bx) = (s[3 + c] * scale, s[6 + c] * scale);
+        let (ax, bx) = (dot(wa, x) * scale, dot(wq, x) * scale);
         let clamp = |x: f32| math::clamp(x, 0.0, levels);
-        let first = if determinant > 1e-3 * aa * bb {
-            clamp((ax * bb - bx * ab) / determinant)
-        } else {
+        let first = if one_sided {
             clamp((ax + bx) / (aa + 2.0 * ab + bb))
+        } else {
+            clamp((ax * bb - bx * ab) * inverse)
         };
-        let (mut least, floor) = (f32::MAX, math::floor(first));
+        let (mut least, floor) = (f32::MAX, (first as u32) as i32 as f32);
         for k in [-1.0, 0.0, 1.0, 2.0_f32] {
             let a = clamp(floor + k);
-            let b = if bb > 0.0 { clamp(math::floor((bx - ab * a) / bb + 0.5)) } else { a };
-            let error = a * (aa * a - 2.0 * ax) + b * (bb * b - 2.0 * bx) + 2.0 * ab * a * b;
+            let b = if bb > 0.0 { (clamp((bx - ab * a) * inverse_b) + 0.5) as u32 } else { a as u32 };
+            let y = b as i32 as f32;
+            let error = a * (aa * a - 2.0 * ax) + y * (bb * y - 2.0 * bx) + 2.0 * ab * a * y;
             if error < least {
                 least = error;
-                codes[c] = [a as u32, b as u32];
+                codes[c] = [a as u32, b];
             }
         }
     }
-    candidate(t, codes, mode)
+    codes
 }

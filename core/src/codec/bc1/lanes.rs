@@ -50,6 +50,40 @@ pub trait Vector: Copy {
     fn right<const BITS: i32>(a: Self::Words) -> Self::Words;
 }
 
+/// A [`Vector`] of eight.
+pub trait Eight: Vector<Blocks = [Texels; 8]> {
+    /// The lanes from memory.
+    fn read(x: &[f32; 8]) -> Self;
+    /// The lanes to memory.
+    fn write(self) -> [f32; 8];
+}
+
+impl Eight for Lanes<8> {
+    #[inline(always)]
+    fn read(x: &[f32; 8]) -> Self {
+        Self(*x)
+    }
+    #[inline(always)]
+    fn write(self) -> [f32; 8] {
+        self.0
+    }
+}
+
+/// The sum of 16 numbers, in a fixed order: halves are added lane by lane.
+#[inline(always)]
+pub(super) fn sum<V: Eight>(low: V, high: V) -> f32 {
+    let a = low.add(high).write();
+    let b = [a[0] + a[4], a[1] + a[5], a[2] + a[6], a[3] + a[7]];
+    (b[0] + b[2]) + (b[1] + b[3])
+}
+
+/// Both halves of 16 numbers.
+#[inline(always)]
+pub(super) fn halves<V: Eight>(x: &[f32; 16]) -> [V; 2] {
+    let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = *x;
+    [V::read(&[a, b, c, d, e, f, g, h]), V::read(&[i, j, k, l, m, n, o, p])]
+}
+
 /// [`Vector`] as an array.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lanes<const L: usize>(pub(super) [f32; L]);

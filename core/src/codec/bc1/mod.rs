@@ -8,12 +8,13 @@ mod score;
 mod search;
 mod single;
 
-pub use lanes::Vector;
+pub use lanes::{Eight, Vector};
 pub use least_squares::fit;
 pub use palette::{Rule, decode, decode_rgba, decode_with};
 pub use range_fit::encode_range_fit;
 
 use lanes::Lanes;
+use search::Plan;
 use score::Target;
 
 /// 16 texels, row by row; red, green, blue.
@@ -47,27 +48,27 @@ pub enum Black {
 
 /// x
 #[inline(always)]
-pub fn encode_with(texels: &Texels, weights: &[f32; 16], quality: Quality, black: Black) -> Block {
+pub fn encode_as<V: Eight>(texels: &Texels, weights: &[f32; 16], quality: Quality, black: Black) -> Block {
     let Some(t) = Target::new(texels, weights) else { return [0; 8] };
-    let best = match quality {
+    let plan = match quality {
         Quality::RangeFit => return encode_range_fit(texels, t.counts()),
         Quality::LeastSquares if t.alike => {
             let [ends, indices] = fit::<Lanes<1>>(&[*texels]);
             return palette::bytes([ends[0], indices[0]]);
         }
-        Quality::LeastSquares => search::cluster(&t, texels, Black::Avoided),
-        Quality::Cluster => search::cluster(&t, texels, black),
-        Quality::Refined => search::refine(&t, texels, black, 2, 2),
-        Quality::Exhaustive => search::refine(&t, texels, black, 16, 8),
+        Quality::LeastSquares => Plan { tries: 1, axes: 1, descend: false, black: Black::Avoided },
+        Quality::Cluster => Plan { tries: 1, axes: 1, descend: false, black },
+        Quality::Refined => Plan { tries: 2, axes: 2, descend: true, black },
+        Quality::Exhaustive => Plan { tries: 16, axes: 8, descend: true, black },
     };
-    score::block(&t, best)
+    score::block::<V>(&t, &search::search::<V>(&t, texels, &plan))
 }
 
 /// x
 #[inline(always)]
-pub fn encode_blocks(texels: &[Texels], quality: Quality, black: Black, out: &mut [Block]) {
+pub fn encode_blocks<V: Eight>(texels: &[Texels], quality: Quality, black: Black, out: &mut [Block]) {
     for (t, o) in texels.iter().zip(out) {
-        *o = encode_with(t, &[1.0; 16], quality, black);
+        *o = encode_as::<V>(t, &[1.0; 16], quality, black);
     }
 }
 
@@ -86,4 +87,9 @@ pub fn ls_blocks(texels: &[Texels], out: &mut [Block]) {
         let w = least_squares::fit::<lanes::Lanes<1>>(&[*t]);
         *o = palette::bytes([w[0][0], w[1][0]]);
     }
+}
+
+/// x
+pub fn encode_blocks_portable(texels: &[Texels], quality: Quality, black: Black, out: &mut [Block]) {
+    encode_blocks::<Lanes<8>>(texels, quality, black, out);
 }

@@ -1,193 +1,160 @@
 //! The searches behind the higher qualities: where they start, and what they try.
 
-use super::cluster::{self, Moments, Splits, moments, order, refit, split3, split4, steps, steps_of};
-use super::palette::{codes, five, narrow};
+use super::cluster::{Moments, moments, order, refit, split};
+use super::lanes::Eight;
+use super::palette::{codes, five};
 use super::range_fit::range_fit_words;
-use super::score::{Candidate, Mode, Target, candidate, descend, nearest};
-use super::single;
-use super::{Black, Texels};
+use super::score::{Candidate, Codes, Mode, Target, candidate, descend, nearest};
+use super::{Black, Texels, single};
 
 /// Rounds in which endpoints and indices are fitted to each other in turn.
 const ROUNDS: usize = 4;
 
-/// The better of two; the first among equals.
-#[inline(always)]
-pub(super) fn better(a: Candidate, b: Candidate) -> Candidate {
-    if b.error < a.error { b } else { a }
+/// How much a search tries.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    /// Splits per mode and axis.
+    pub(super) tries: usize,
+    /// Axes: the principal one, then the direction of the best endpoints, as long as that gains.
+    pub(super) axes: usize,
+    /// Whether endpoints move among their neighbours.
+    pub(super) descend: bool,
+    pub(super) black: Black,
 }
 
-/// Endpoints for the nearest entries, entries for those endpoints, until nothing is gained.
+/// What an attempt starts from.
+enum Start {
+    /// Steps of the texels, and the weights of those that are not black.
+    Steps([f32; 16], [f32; 16]),
+    Codes(Codes),
+}
+
+/// From a start, endpoints for the steps and steps for the endpoints in turn until nothing is gained; then descent.
 #[inline(always)]
-fn settle(t: &Target, mut best: Candidate) -> Candidate {
+fn attempt<V: Eight>(t: &Target, start: Start, mode: Mode, plan: &Plan, best: &mut Candidate) {
+    let mut here = Candidate { codes: [[0; 2]; 3], mode, error: f32::MAX };
+    let (mut q, mut w, mut given) = match start {
+        Start::Steps(q, w) => (q, w, None),
+        Start::Codes(codes) => ([0.0; 16], t.w, Some(codes)),
+    };
+    let values = if mode == Mode::Four { [0.0, 3.0, 1.0, 2.0] } else { [0.0, 2.0, 1.0, -1.0] };
     for _ in 0..ROUNDS {
-        if best.error <= 0.0 {
+        let codes = match given.take() {
+            Some(codes) => codes,
+            None => refit::<V>(t, &w, &q, mode),
+        };
+        let (steps, error) = nearest::<V>(t, &codes, mode, values);
+        if error >= here.error {
             break;
         }
-        let index = nearest(t, best.codes, best.mode);
-        let q = steps_of(&index, best.mode);
-        let next = if best.mode == Mode::Black {
-            let mut rest = *t;
-            for i in 0..16 {
-                rest.w[i] = if index[i] == 3 { 0.0 } else { t.w[i] };
-            }
-            if rest.counts() == 0 {
-                break;
-            }
-            candidate(t, refit(&rest, &q, Mode::Three).codes, Mode::Black)
-        } else {
-            refit(t, &q, best.mode)
-        };
-        if next.error < best.error {
-            best = next;
-        } else {
+        here = Candidate { codes, mode, error };
+        let mut any = false;
+        for (i, step) in steps.as_flattened().iter().enumerate() {
+            // -1 stands for black.
+            let black = *step < 0.0;
+            q[i] = if black { 0.0 } else { *step };
+            w[i] = if black { 0.0 } else { t.w[i] };
+            any |= w[i] > 0.0;
+        }
+        if error <= 0.0 || !any {
             break;
         }
     }
-    best
+    if plan.descend {
+        here = descend::<V>(t, here);
+    }
+    if here.error < best.error {
+        *best = here;
+    }
 }
 
-/// The words of a block as a candidate (which the caller knows to use no black).
+/// The endpoints between which an entry lies nearest to a colour.
 #[inline(always)]
-pub(super) fn from_words(t: &Target, ends: u32) -> Candidate {
-    let (a, b) = (codes(ends & 0xffff), codes(ends >> 16));
-    let mode = if ends & 0xffff > ends >> 16 { Mode::Four } else { Mode::Three };
-    candidate(t, [[a[0], b[0]], [a[1], b[1]], [a[2], b[2]]], mode)
+fn flat(colour: [f32; 3], mode: Mode) -> Codes {
+    let of = |c: usize| single::ends((colour[c] + 0.5) as u32, five(c), mode);
+    [of(0), of(1), of(2)]
 }
 
-/// The best representation of one colour: the entry two thirds or half along hits it, channel by channel.
+/// Weights without the texels that are to be black: nearer to it than to the mean of the others, in three rounds.
+/// `None` if there are none or all are.
 #[inline(always)]
-pub(super) fn flat(t: &Target, colour: [f32; 3]) -> Candidate {
-    let x = colour.map(|x| crate::math::floor(x + 0.5) as u32 & 255);
-    let of = |mode: Mode| candidate(t, [0, 1, 2].map(|c| single::ends(x[c], five(c), mode)), mode);
-    better(of(Mode::Four), of(Mode::Three))
-}
-
-/// What the range fit and one colour reach: no quality above is worse.
-#[inline(always)]
-fn simple(t: &Target, texels: &Texels, mean: [f32; 3]) -> Candidate {
-    let range = from_words(t, range_fit_words(texels, t.counts())[0]);
-    better(range, flat(t, mean))
-}
-
-/// Texels that are to be black: nearer to it than to the mean of the others, found in three rounds.
-#[inline(always)]
-fn without_black(t: &Target) -> Option<Target> {
+fn without_black<V: Eight>(t: &Target, mean: [f32; 3]) -> Option<(Target, Moments)> {
     let mut rest = *t;
+    let mut m = Moments::of_mean(mean);
     for _ in 0..3 {
-        let mean = moments(&rest).mean;
+        let mean = m.mean;
         let length = mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2];
+        let (mut any, mut all) = (false, true);
         for i in 0..16 {
             let dot = mean[0] * t.x[0][i] + mean[1] * t.x[1][i] + mean[2] * t.x[2][i];
-            rest.w[i] = if 2.0 * dot < length { 0.0 } else { t.w[i] };
+            let dark = 2.0 * dot < length;
+            any |= dark & (t.w[i] > 0.0);
+            rest.w[i] = if dark { 0.0 } else { t.w[i] };
+            all &= rest.w[i] <= 0.0;
         }
-        rest.alike = false;
-        if rest.counts() == 0 {
+        if all || !any {
             return None;
         }
+        rest.alike = false;
+        m = moments::<V>(&rest);
     }
-    (rest.counts() != t.counts()).then_some(rest)
-}
-
-/// The best splits of an order, as candidates.
-struct Found {
-    four: Splits,
-    three: Splits,
-}
-
-#[inline(always)]
-fn try_lane(t: &Target, o: &cluster::Order, splits: &Splits, k: usize, mode: Mode) -> Candidate {
-    refit(t, &steps(o, splits, k, mode), mode)
-}
-
-/// Three runs of the texels that are not black, and black.
-#[inline(always)]
-fn black(t: &Target) -> Option<Candidate> {
-    let rest = without_black(t)?;
-    let m = moments(&rest);
-    let o = order(&rest, &m, m.axis);
-    let splits = split3(&o);
-    let three = match cluster::best(&splits.gain) {
-        Some(k) => try_lane(&rest, &o, &splits, k, Mode::Three),
-        None => flat(&rest, m.mean),
-    };
-    Some(candidate(t, three.codes, Mode::Black))
-}
-
-/// Cluster fit along the principal axis.
-#[inline(always)]
-pub(super) fn cluster(t: &Target, texels: &Texels, allowed: Black) -> Candidate {
-    let m = moments(t);
-    let mut best = simple(t, texels, m.mean);
-    if best.error <= 0.0 {
-        return best;
-    }
-    let o = order(t, &m, m.axis);
-    let (four, three) = (split4(&o), split3(&o));
-    if let Some(k) = cluster::best(&four.gain) {
-        best = better(best, settle(t, try_lane(t, &o, &four, k, Mode::Four)));
-    }
-    if let Some(k) = cluster::best(&three.gain) {
-        best = better(best, settle(t, try_lane(t, &o, &three, k, Mode::Three)));
-    }
-    if allowed == Black::Allowed {
-        if let Some(found) = black(t) {
-            best = better(best, settle(t, found));
-        }
-    }
-    best
-}
-
-/// The best of the lanes, tried in order of gain, each descended from.
-#[inline(always)]
-fn descend_lanes(t: &Target, m: &Moments, axis: [f32; 3], tries: usize, mut best: Candidate) -> Candidate {
-    let o = order(t, m, axis);
-    let mut found = Found { four: split4(&o), three: split3(&o) };
-    for turn in 0..2 * tries {
-        let (splits, mode) = if turn % 2 == 0 { (&mut found.four, Mode::Four) } else { (&mut found.three, Mode::Three) };
-        let Some(k) = cluster::best(&splits.gain) else { continue };
-        splits.gain[k] = 0.0;
-        if best.error <= 0.0 {
-            break;
-        }
-        best = better(best, descend(t, settle(t, try_lane(t, &o, splits, k, mode))));
-    }
-    best
+    Some((rest, m))
 }
 
 /// The direction from the first endpoint to the second.
 #[inline(always)]
 fn direction(c: &Candidate) -> [f32; 3] {
-    [0, 1, 2].map(|k| {
+    let of = |k: usize| {
         let [a, b] = c.codes[k];
         (b as i32 - a as i32) as f32 * if five(k) { 255.0 / 31.0 } else { 255.0 / 63.0 }
-    })
+    };
+    [of(0), of(1), of(2)]
 }
 
-/// Cluster fit, then descent among the codes; the axis follows the best endpoints, as often as it gains, up to `axes` times.
+/// The best endpoints that a plan finds; never worse than the range fit or one colour.
 #[inline(always)]
-pub(super) fn refine(t: &Target, texels: &Texels, allowed: Black, tries: usize, axes: usize) -> Candidate {
-    let m = moments(t);
-    let mut best = cluster(t, texels, allowed);
-    if best.error <= 0.0 {
-        return best;
-    }
-    best = descend(t, best);
-    best = better(best, descend(t, flat(t, m.mean)));
-    let mut axis = m.axis;
-    for _ in 0..axes {
-        let next = descend_lanes(t, &m, axis, tries, best);
-        let gained = next.error < best.error;
-        best = next;
-        if !gained || best.error <= 0.0 {
-            break;
+pub(super) fn search<V: Eight>(t: &Target, texels: &Texels, plan: &Plan) -> Candidate {
+    let whole = moments::<V>(t);
+    let ends = range_fit_words(texels, t.counts())[0];
+    let (a, b) = (codes(ends & 0xffff), codes(ends >> 16));
+    let range = [[a[0], b[0]], [a[1], b[1]], [a[2], b[2]]];
+    let mut best = candidate::<V>(t, range, Mode::Four);
+    let dark = if plan.black == Black::Allowed { without_black::<V>(t, whole.mean) } else { None };
+    // Round 0 is black and three runs of the others; the rest of the rounds have an axis each for all texels.
+    let mut axis = whole.axis;
+    for round in usize::from(dark.is_none())..=plan.axes {
+        let before = best.error;
+        let (target, m) = match &dark {
+            Some((rest, m)) if round == 0 => (rest, m),
+            _ => (t, &whole),
+        };
+        let o = order::<V>(target, m, if round == 0 { m.axis } else { axis });
+        let modes: &[Mode] = if round == 0 { &[Mode::Black] } else { &[Mode::Four, Mode::Three] };
+        for mode in modes {
+            let four = *mode == Mode::Four;
+            let mut splits = split::<V>(&o, four);
+            // One colour first, where it was not tried before.
+            for turn in usize::from(round > 1)..=plan.tries {
+                if best.error <= 0.0 {
+                    return best;
+                }
+                let start = if turn == 0 {
+                    Start::Codes(flat(m.mean, *mode))
+                } else {
+                    match splits.take(&o, four) {
+                        Some(q) => Start::Steps(q, target.w),
+                        None => break,
+                    }
+                };
+                attempt::<V>(t, start, *mode, plan, &mut best);
+            }
         }
-        axis = direction(&best);
-    }
-    if allowed == Black::Allowed && best.error > 0.0 {
-        if let Some(found) = black(t) {
-            best = better(best, descend(t, settle(t, found)));
+        if round > 0 {
+            if best.error >= before {
+                break;
+            }
+            axis = direction(&best);
         }
     }
-    let _ = narrow;
     best
 }
