@@ -16,6 +16,7 @@ fn main() {
     for b in 0..nb { let (bx, by) = (b % (w/4), b / (w/4)); for i in 0..16 { let o = ((by*4 + i/4)*w + bx*4 + i%4)*4; blocks[b][i] = [img[o], img[o+1], img[o+2]]; }}
     let psnr = |enc: &[[u8;8]]| { let mut e = 0u64; for (b, t) in enc.iter().zip(&blocks) { for (x, y) in bc1::decode(*b).iter().zip(t) { for c in 0..3 { let d = x[c] as i64 - y[c] as i64; e += (d*d) as u64; } } } 10.0*(255.0f64*255.0*(nb*48) as f64/e as f64).log10() };
     let mut out = vec![[0u8; 8]; nb];
+    if let Ok(q) = std::env::var("ONLY") { let q = if q == "c" { bc1::Quality::Cluster } else { bc1::Quality::Refined }; for _ in 0..100 { etendue_cpu::bc1::encode_blocks(&blocks, q, bc1::Black::Allowed, &mut out).unwrap(); } return; }
     let time = |name: &str, f: &mut dyn FnMut(&mut Vec<[u8;8]>), out: &mut Vec<[u8;8]>| { let mut best = f64::MAX; for _ in 0..9 { let t = Instant::now(); f(out); best = best.min(t.elapsed().as_secs_f64()); } println!("{name:20} {:.3} dB {:.3} Mblocks/s", psnr(out), nb as f64/best/1e6); };
     time("intel", &mut |o| intel_tex_2::bc1::compress_blocks_into(&intel_tex_2::RgbaSurface { data: &img, width: w as u32, height: h as u32, stride: w as u32 * 4 }, o.as_flattened_mut()), &mut out);
     time("block_compression", &mut |o| block_compression::encode::compress_rgba8(block_compression::CompressionVariant::BC1, &img, o.as_flattened_mut(), w as u32, h as u32, w as u32 * 4), &mut out);
@@ -23,14 +24,11 @@ fn main() {
         time(n, &mut |o| texpresso::Format::Bc1.compress(&img, w, h, texpresso::Params { algorithm: a, weights: [1.0;3], weigh_colour_by_alpha: false }, o.as_flattened_mut()), &mut out);
     }
     time("our range", &mut |o| for (b, t) in o.iter_mut().zip(&blocks) { *b = bc1::encode_range_fit(t, 0xffff) }, &mut out);
-    time("our ls sse", &mut |o| bc1::ls_blocks(&blocks, o), &mut out);
-    time("our ls avx", &mut |o| etendue_cpu::bc1::ls_blocks(&blocks, o), &mut out);
-    time("our ls arrays avx", &mut |o| etendue_cpu::bc1::ls_arrays(&blocks, o), &mut out);
 
     use bc1::{Quality as Q, Black as B};
-    for q in [Q::Cluster, Q::Refined, Q::Exhaustive] { for b in [B::Avoided, B::Allowed] {
-        time(&format!("{q:?} {b:?}"), &mut |o| etendue_cpu::bc1::encode_blocks(&blocks, q, b, o), &mut out);
+    for q in Q::ALL { for b in [B::Avoided, B::Allowed] {
+        time(&format!("{q:?} {b:?}"), &mut |o| etendue_cpu::bc1::encode_blocks(&blocks, q, b, o).unwrap(), &mut out);
     }
-        if q == Q::Cluster { time("sse", &mut |o| bc1::encode_blocks_portable(&blocks, q, B::Avoided, o), &mut out); }
+        if q <= Q::Cluster { time("sse", &mut |o| bc1::encode_blocks(&blocks, q, B::Avoided, o).unwrap(), &mut out); }
     }
 }

@@ -10,7 +10,6 @@ use super::lanes::{Eight, Lanes, Vector, halves, sum};
 use super::least_squares::axis;
 use super::palette::five;
 use super::score::{Codes, Mode, Target};
-use crate::math;
 
 /// Sums over the texels that count.
 pub(super) struct Moments {
@@ -193,14 +192,19 @@ pub(super) fn split<V: Eight>(o: &Order, four: bool) -> Splits {
                 base[c] = V::splat(o.before[c][i] + if four { o.before[c][j] } else { 0.0 });
             }
             let which = V::splat((16 * i + j) as i32 as f32);
-            // The last start is not before j.
-            for h in j / 8..2 {
+            let here = |h: usize| {
                 let v = [base[0].add(before[0][h]), base[1].add(before[1][h]), base[2].add(before[2][h])];
-                let length = v[0].mul(v[0]).add(v[1].mul(v[1])).add(v[2].mul(v[2]));
-                let here = length.mul(inverse[h]);
-                starts[h] = here.pick(gain[h], which, starts[h]);
-                gain[h] = here.max(gain[h]);
+                v[0].mul(v[0]).add(v[1].mul(v[1])).add(v[2].mul(v[2])).mul(inverse[h])
+            };
+            // The last start is not before j.
+            if j < 8 {
+                let low = here(0);
+                starts[0] = low.pick(gain[0], which, starts[0]);
+                gain[0] = low.max(gain[0]);
             }
+            let high = here(1);
+            starts[1] = high.pick(gain[1], which, starts[1]);
+            gain[1] = high.max(gain[1]);
         }
     }
     let join = |x: [V; 2]| {
@@ -251,30 +255,37 @@ pub(super) fn refit<V: Eight>(t: &Target, w: &[f32; 16], q: &[f32; 16], mode: Mo
     let determinant = aa * bb - ab * ab;
     let (one_sided, inverse) = (determinant <= 1e-3 * aa * bb, 1.0 / determinant);
     let inverse_b = 1.0 / bb;
+    // One channel per lane from here on, in units of codes: x = 255 / levels * code.
+    let (mut ax, mut bx, mut levels) = ([0.0; 8], [0.0; 8], [0.0; 8]);
+    for c in 0..3 {
+        levels[c] = if five(c) { 31.0 } else { 63.0 };
+        let x = halves::<V>(&t.x[c]);
+        let scale = levels[c] / 255.0 * most;
+        (ax[c], bx[c]) = (dot(wa, x) * scale, dot(wq, x) * scale);
+    }
+    let (ax, bx, levels) = (V::read(&ax), V::read(&bx), V::read(&levels));
+    let (zero, splat) = (V::splat(0.0), V::splat);
+    let clamp = |x: V| x.max(zero).min(levels);
+    let first = if one_sided {
+        ax.add(bx).mul(splat(1.0 / (aa + 2.0 * ab + bb)))
+    } else {
+        ax.mul(splat(bb)).sub(bx.mul(splat(ab))).mul(splat(inverse))
+    };
+    let floor = clamp(clamp(first).sub(splat(0.5))).round();
+    let (mut least, mut a, mut b) = (splat(f32::MAX), zero, zero);
+    for k in [-1.0, 0.0, 1.0, 2.0] {
+        let x = clamp(floor.add(splat(k)));
+        let y = if bb > 0.0 { clamp(bx.sub(splat(ab).mul(x)).mul(splat(inverse_b))).round() } else { x };
+        let error = x.mul(splat(aa).mul(x).sub(ax).sub(ax)).add(y.mul(splat(bb).mul(y).sub(bx).sub(bx)));
+        let error = error.add(splat(2.0 * ab).mul(x).mul(y));
+        a = least.pick(error, x, a);
+        b = least.pick(error, y, b);
+        least = error.min(least);
+    }
+    let (a, b) = (a.write(), b.write());
     let mut codes = [[0; 2]; 3];
     for c in 0..3 {
-        let levels = if five(c) { 31.0 } else { 63.0 };
-        let x = halves::<V>(&t.x[c]);
-        // In units of codes: x = 255 / levels * code.
-        let scale = levels / 255.0 * most;
-        let (ax, bx) = (dot(wa, x) * scale, dot(wq, x) * scale);
-        let clamp = |x: f32| math::clamp(x, 0.0, levels);
-        let first = if one_sided {
-            clamp((ax + bx) / (aa + 2.0 * ab + bb))
-        } else {
-            clamp((ax * bb - bx * ab) * inverse)
-        };
-        let (mut least, floor) = (f32::MAX, (first as u32) as i32 as f32);
-        for k in [-1.0, 0.0, 1.0, 2.0_f32] {
-            let a = clamp(floor + k);
-            let b = if bb > 0.0 { (clamp((bx - ab * a) * inverse_b) + 0.5) as u32 } else { a as u32 };
-            let y = b as i32 as f32;
-            let error = a * (aa * a - 2.0 * ax) + y * (bb * y - 2.0 * bx) + 2.0 * ab * a * y;
-            if error < least {
-                least = error;
-                codes[c] = [a as u32, b];
-            }
-        }
+        codes[c] = [a[c] as u32, b[c] as u32];
     }
     codes
 }

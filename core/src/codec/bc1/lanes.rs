@@ -1,6 +1,7 @@
 //! Several floats that work as one.
 
-use super::Texels;
+use super::palette::bytes;
+use super::{Block, Texels};
 
 /// Several f32 with the same operation in each: an array here, a register in a backend.
 ///
@@ -56,6 +57,8 @@ pub trait Eight: Vector<Blocks = [Texels; 8]> {
     fn read(x: &[f32; 8]) -> Self;
     /// The lanes to memory.
     fn write(self) -> [f32; 8];
+    /// The blocks of which these are the two words.
+    fn blocks(words: [Self::Words; 2]) -> [Block; 8];
 }
 
 impl Eight for Lanes<8> {
@@ -66,6 +69,14 @@ impl Eight for Lanes<8> {
     #[inline(always)]
     fn write(self) -> [f32; 8] {
         self.0
+    }
+    #[inline(always)]
+    fn blocks([ends, indices]: [[u32; 8]; 2]) -> [Block; 8] {
+        let mut out = [[0; 8]; 8];
+        for (l, out) in out.iter_mut().enumerate() {
+            *out = bytes([ends[l], indices[l]]);
+        }
+        out
     }
 }
 
@@ -80,13 +91,16 @@ pub(super) fn sum<V: Eight>(low: V, high: V) -> f32 {
 /// Both halves of 16 numbers.
 #[inline(always)]
 pub(super) fn halves<V: Eight>(x: &[f32; 16]) -> [V; 2] {
-    let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = *x;
-    [V::read(&[a, b, c, d, e, f, g, h]), V::read(&[i, j, k, l, m, n, o, p])]
+    match x.as_chunks() {
+        ([low, high], _) => [V::read(low), V::read(high)],
+        // 16 numbers are two chunks of eight.
+        _ => [V::splat(0.0); 2],
+    }
 }
 
 /// [`Vector`] as an array.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lanes<const L: usize>(pub(super) [f32; L]);
+pub(crate) struct Lanes<const L: usize>(pub(super) [f32; L]);
 
 /// Adding it rounds a number of [0, 2^22) to an integer, halves to even.
 const SHIFT: f32 = 12_582_912.0;

@@ -70,7 +70,7 @@ fn unpack<V: Vector>(words: &[V::Words; 12]) -> [[V; 3]; 16] {
 
 /// Encodes blocks by least squares, all texels counting alike: the two words of each.
 #[inline(always)]
-pub fn fit<V: Vector>(blocks: &V::Blocks) -> [V::Words; 2] {
+pub(super) fn fit<V: Vector>(blocks: &V::Blocks) -> [V::Words; 2] {
     let x = unpack::<V>(&V::load(blocks));
     let splat = V::splat;
     let (zero, three, n) = (splat(0.0), splat(3.0), splat(16.0));

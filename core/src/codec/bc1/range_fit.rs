@@ -28,8 +28,7 @@ pub fn encode_range_fit(texels: &Texels, counts: u32) -> Block {
 pub(super) fn range_fit_words(texels: &Texels, counts: u32) -> [u32; 2] {
     let counted = |i: usize| counts >> i & 1 == 1;
     let (mut low, mut high, mut sum, mut n) = ([255_i32; 3], [0_i32; 3], [0_i32; 3], 0_i32);
-    for (i, texel) in texels.iter().enumerate().filter(|(i, _)| counted(*i)) {
-        let _ = i;
+    for (_, texel) in texels.iter().enumerate().filter(|(i, _)| counted(*i)) {
         for c in 0..3 {
             let x = i32::from(texel[c]);
             (low[c], high[c], sum[c]) = (low[c].min(x), high[c].max(x), sum[c] + x);

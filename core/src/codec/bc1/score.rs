@@ -149,10 +149,9 @@ pub(super) fn descend<V: Eight>(t: &Target, from: Candidate) -> Candidate {
             if changed >> k & 1 == 1 {
                 let x = halves::<V>(&t.x[k]);
                 for (part, entry) in parts[k].iter_mut().zip(entries(best.codes[k], k, best.mode)) {
-                    for h in 0..2 {
-                        let d = x[h].sub(V::splat(entry));
-                        part[8 * h..8 * h + 8].copy_from_slice(&d.mul(d).write());
-                    }
+                    let d = [x[0].sub(V::splat(entry)), x[1].sub(V::splat(entry))];
+                    part[..8].copy_from_slice(&d[0].mul(d[0]).write());
+                    part[8..].copy_from_slice(&d[1].mul(d[1]).write());
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! The searches behind the higher qualities: where they start, and what they try.
 
+use super::branch::branch;
 use super::cluster::{Moments, moments, order, refit, split};
 use super::lanes::Eight;
 use super::palette::{codes, five};
@@ -20,6 +21,8 @@ pub(super) struct Plan {
     /// Whether endpoints move among their neighbours.
     pub(super) descend: bool,
     pub(super) black: Black,
+    /// Boxes of endpoints that branch and bound may look into.
+    pub(super) nodes: u32,
 }
 
 /// What an attempt starts from.
@@ -111,9 +114,20 @@ fn direction(c: &Candidate) -> [f32; 3] {
     [of(0), of(1), of(2)]
 }
 
-/// The best endpoints that a plan finds; never worse than the range fit or one colour.
+/// The best endpoints that a plan finds (never worse than the range fit or one colour), and a bound that no block of the
+/// allowed modes goes below: 0 where none was sought.
 #[inline(always)]
-pub(super) fn search<V: Eight>(t: &Target, texels: &Texels, plan: &Plan) -> Candidate {
+pub(super) fn search<V: Eight>(t: &Target, texels: &Texels, plan: &Plan) -> (Candidate, f32) {
+    let best = gather::<V>(t, texels, plan);
+    if plan.nodes > 0 && best.error > 0.0 {
+        branch::<V>(t, best, plan.black, plan.nodes)
+    } else {
+        (best, 0.0)
+    }
+}
+
+#[inline(always)]
+fn gather<V: Eight>(t: &Target, texels: &Texels, plan: &Plan) -> Candidate {
     let whole = moments::<V>(t);
     let ends = range_fit_words(texels, t.counts())[0];
     let (a, b) = (codes(ends & 0xffff), codes(ends >> 16));
