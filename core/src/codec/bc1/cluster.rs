@@ -6,7 +6,7 @@
 //! and S_qq depends on the weights alone: a table where all texels count alike. So every split costs a few operations,
 //! and 816 splits into four runs are tried as lanes of the last start.
 
-use super::lanes::{Eight, Lanes, Vector, halves, sum};
+use super::lanes::{Eight, Lanes, halves, sum};
 use super::least_squares::axis;
 use super::palette::five;
 use super::score::{Codes, Mode, Target};
