@@ -24,8 +24,9 @@ fn palette(first: u32, second: u32, rule: u32) -> [[f64; 4]; 4] {
     let mut out = [[0.0; 4]; 4];
     for c in 0..3 {
         let (p, q) = (levels(first)[c], levels(second)[c]);
-        // 255 x / 31 and 255 x / 63 rounded, which bit replication is.
-        let (a, b) = (nearest(p * 255.0 / MOST[c]), nearest(q * 255.0 / MOST[c]));
+        // Bits repeated below their end: 8 x + x / 4 and 4 x + x / 16.
+        let wide = |x: f64| (x * if c == 1 { 4.0625 } else { 8.25 }).floor();
+        let (a, b) = (wide(p), wide(q));
         let green = c == 1;
         let third = |a: f64, b: f64, p: f64, q: f64| match rule {
             1 => ((2.0 * a + b) / 3.0).floor(),
@@ -41,9 +42,8 @@ fn palette(first: u32, second: u32, rule: u32) -> [[f64; 4]; 4] {
             4 => ((p + q) * 4.125).floor(),
             _ => nearest((a + b) / 2.0),
         };
-        let end = |x: f64, p: f64| if rule == 4 && !green { (p * 8.25).floor() } else { x };
         let last = if four { third(b, a, q, p) } else { 0.0 };
-        let column = [end(a, p), end(b, q), if four { third(a, b, p, q) } else { half }, last];
+        let column = [a, b, if four { third(a, b, p, q) } else { half }, last];
         for (entry, x) in out.iter_mut().zip(column) {
             entry[c] = x;
         }

@@ -5,9 +5,8 @@ use super::{Block, Texels};
 /// How a decoder computes the two colours between the endpoints.
 ///
 /// The format leaves the rounding open: it states 2/3 and 1/3 (or 1/2) of real numbers. a and b are the endpoints'
-/// 8-bit values, a5 and b5 their 5-bit codes. The endpoints themselves are widened by bit replication,
-/// `x5 << 3 | x5 >> 2` and `x6 << 2 | x6 >> 4`, which is 255 x5 / 31 and 255 x6 / 63 rounded to nearest
-/// ([`Rule::Nvidia`] alone widens otherwise).
+/// 8-bit values, a5 and b5 their 5-bit codes. Every rule widens the endpoints by bit replication, `x5 << 3 | x5 >> 2` and
+/// `x6 << 2 | x6 >> 4`, which is within 1 of 255 x5 / 31 and 255 x6 / 63 (x5 = 3 gives 24, not 24.68 rounded).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Rule {
     /// The reference: thirds to nearest, `(2a + b + 1) / 3`; halves upward, `(a + b + 1) / 2`.
@@ -18,8 +17,7 @@ pub enum Rule {
     Mesa,
     /// `(43 a + 21 b + 32) >> 6` and `(a + b + 1) >> 1`: AMD's hardware, as encoders that aim at it document.
     Amd,
-    /// Red and blue from the codes, `(2 a5 + b5) 22 / 8`, `(a5 + b5) 33 / 8`, the endpoints `3 a5 22 / 8`; green from
-    /// d = b - a, `(256 a + trunc(d / 4) + 128 + 80 d) >> 8` and the same with 128 d: NVIDIA's hardware since GeForce
+    /// Red and blue from the codes, `(2 a5 + b5) 22 / 8` and `(a5 + b5) 33 / 8`; green from d = b - a, `(256 a + trunc(d / 4) + 128 + 80 d) >> 8` and the same with 128 d: NVIDIA's hardware since GeForce
     /// 8, as NVIDIA's texture tools document (I. Castaño, 2008).
     Nvidia,
 }
@@ -51,14 +49,6 @@ impl Rule {
             Self::Truncated | Self::Mesa => (a + b) / 2,
             Self::Nvidia if five => (codes[0] + codes[1]) * 33 / 8,
             Self::Nvidia => nvidia_green(a, b, 128),
-        }
-    }
-
-    #[inline(always)]
-    const fn end(self, code: u32, five: bool) -> u32 {
-        match self {
-            Self::Nvidia if five => 3 * code * 22 / 8,
-            _ => widen(code, five),
         }
     }
 }
@@ -105,8 +95,8 @@ pub(super) fn palette(first: u32, second: u32, rule: Rule) -> [[u8; 4]; 4] {
     let mut out = [[0, 0, 0, 255], [0, 0, 0, 255], [0, 0, 0, 255], [0, 0, 0, if four { 255 } else { 0 }]];
     for c in 0..3 {
         let (ab, ba) = ([a[c], b[c]], [b[c], a[c]]);
-        out[0][c] = rule.end(a[c], five(c)) as u8;
-        out[1][c] = rule.end(b[c], five(c)) as u8;
+        out[0][c] = widen(a[c], five(c)) as u8;
+        out[1][c] = widen(b[c], five(c)) as u8;
         out[2][c] = if four { rule.third(ab, five(c)) } else { rule.half(ab, five(c)) } as u8;
         out[3][c] = if four { rule.third(ba, five(c)) as u8 } else { 0 };
     }
