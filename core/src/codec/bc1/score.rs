@@ -37,8 +37,14 @@ impl Target {
         for w in &mut w {
             *w = if alike { 1.0 } else { math::ldexp(*w, k) };
         }
+        // What does not count takes the colour of the first that does, so that it changes nothing at all.
+        let mut first = texels[0];
+        for (texel, w) in texels.iter().zip(w).rev() {
+            first = if w > 0.0 { *texel } else { first };
+        }
         let mut x = [[0.0; 16]; 3];
         for (i, texel) in texels.iter().enumerate() {
+            let texel = if w[i] > 0.0 { texel } else { &first };
             for c in 0..3 {
                 x[c][i] = f32::from(texel[c]);
             }

@@ -25,6 +25,9 @@ pub(super) struct Plan {
     pub(super) nodes: u32,
 }
 
+/// The plan of [`super::Quality::Refined`].
+pub(super) const REFINED: Plan = Plan { tries: 2, axes: 2, descend: true, black: Black::Allowed, nodes: 0 };
+
 /// What an attempt starts from.
 enum Start {
     /// Steps of the texels, and the weights of those that are not black.
@@ -118,7 +121,11 @@ fn direction(c: &Candidate) -> [f32; 3] {
 /// allowed modes goes below: 0 where none was sought.
 #[inline(always)]
 pub(super) fn search<V: Eight>(t: &Target, texels: &Texels, plan: &Plan) -> (Candidate, f32) {
-    let best = gather::<V>(t, texels, plan);
+    let mut best = Candidate { codes: [[0; 2]; 3], mode: Mode::Four, error: f32::MAX };
+    // A search that goes on to branch and bound begins with the refined one: its axes may lead elsewhere.
+    for plan in &[Plan { black: plan.black, ..REFINED }, *plan][usize::from(plan.nodes == 0)..] {
+        gather::<V>(t, texels, plan, &mut best);
+    }
     if plan.nodes > 0 && best.error > 0.0 {
         branch::<V>(t, best, plan.black, plan.nodes)
     } else {
@@ -126,13 +133,17 @@ pub(super) fn search<V: Eight>(t: &Target, texels: &Texels, plan: &Plan) -> (Can
     }
 }
 
+/// Tries what a plan says; replaces `best` where it finds better.
 #[inline(always)]
-fn gather<V: Eight>(t: &Target, texels: &Texels, plan: &Plan) -> Candidate {
+fn gather<V: Eight>(t: &Target, texels: &Texels, plan: &Plan, best: &mut Candidate) {
     let whole = moments::<V>(t);
     let ends = range_fit_words(texels, t.counts())[0];
     let (a, b) = (codes(ends & 0xffff), codes(ends >> 16));
     let range = [[a[0], b[0]], [a[1], b[1]], [a[2], b[2]]];
-    let mut best = candidate::<V>(t, range, Mode::Four);
+    let range = candidate::<V>(t, range, Mode::Four);
+    if range.error < best.error {
+        *best = range;
+    }
     let dark = if plan.black == Black::Allowed { without_black::<V>(t, whole.mean) } else { None };
     // Round 0 is black and three runs of the others; the rest of the rounds have an axis each for all texels.
     let mut axis = whole.axis;
@@ -150,7 +161,7 @@ fn gather<V: Eight>(t: &Target, texels: &Texels, plan: &Plan) -> Candidate {
             // One colour first, where it was not tried before.
             for turn in usize::from(round > 1)..=plan.tries {
                 if best.error <= 0.0 {
-                    return best;
+                    return;
                 }
                 let start = if turn == 0 {
                     Start::Codes(flat(m.mean, *mode))
@@ -160,15 +171,14 @@ fn gather<V: Eight>(t: &Target, texels: &Texels, plan: &Plan) -> Candidate {
                         None => break,
                     }
                 };
-                attempt::<V>(t, start, *mode, plan, &mut best);
+                attempt::<V>(t, start, *mode, plan, best);
             }
         }
         if round > 0 {
             if best.error >= before {
                 break;
             }
-            axis = direction(&best);
+            axis = direction(best);
         }
     }
-    best
 }
