@@ -179,7 +179,8 @@ mod avx2 {
             let mut out = [[0; 8]; 8];
             // SAFETY: 64 bytes have room there.
             avx2!({
-                let (low, high) = (_mm256_unpacklo_epi32(ends, indices), _mm256_unpackhi_epi32(ends, indices));
+                let (low, high) =
+                    (_mm256_unpacklo_epi32(ends, indices), _mm256_unpackhi_epi32(ends, indices));
                 let to = out.as_mut_ptr().cast::<__m256i>();
                 _mm256_storeu_si256(to, _mm256_permute2x128_si256::<0x20>(low, high));
                 _mm256_storeu_si256(to.add(1), _mm256_permute2x128_si256::<0x31>(low, high));

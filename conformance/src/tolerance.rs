@@ -125,11 +125,9 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
         // subdivide
         // log_offset
         // bc1
-        K::Bc1Decode
-        | K::Bc1DecodeWith
-        | K::Bc1EncodeRangeFit
-        | K::Bc4Decode
-        | K::Bc4EncodeRangeFit => exact(),
+        K::Bc1Decode | K::Bc1DecodeWith | K::Bc1EncodeRangeFit | K::Bc4Decode | K::Bc4EncodeRangeFit => {
+            exact()
+        }
         // polynomial
         // A kernel without an entry allows nothing and says so: the coverage test fails on it.
         _ => Tolerance {

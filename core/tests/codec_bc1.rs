@@ -2,8 +2,8 @@
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
 use etendue_core::codec::bc1::{
-    ALIKE, Black, Block, Encode, LengthError, Quality, Rule, Texels, decode, decode_rgba, decode_with, encode,
-    encode_blocks, encode_proved, encode_range_fit, encode_with, error,
+    ALIKE, Black, Block, Encode, LengthError, Quality, Rule, Texels, decode, decode_rgba, decode_with,
+    encode, encode_blocks, encode_proved, encode_range_fit, encode_with, error,
 };
 use proptest::prelude::*;
 
@@ -25,7 +25,11 @@ impl Random {
         let base = [0; 3].map(|_: u64| self.below(256));
         let dark = self.below(4) == 0;
         [(); 16].map(|()| {
-            if dark && self.below(3) == 0 { [0; 3] } else { base.map(|b| (b + self.below(spread)).min(255) as u8) }
+            if dark && self.below(3) == 0 {
+                [0; 3]
+            } else {
+                base.map(|b| (b + self.below(spread)).min(255) as u8)
+            }
         })
     }
 }
@@ -55,7 +59,9 @@ fn every_pair_of_codes_decodes_to_the_nearest_integer() {
                     let (p, q) = if first == a << shift { (x, y) } else { (y, x) };
                     assert_eq!(got[..2], [p, q]);
                     if first > second {
-                        assert!((3 * got[2] - (2 * p + q)).abs() <= 1 && (3 * got[3] - (p + 2 * q)).abs() <= 1);
+                        assert!(
+                            (3 * got[2] - (2 * p + q)).abs() <= 1 && (3 * got[3] - (p + 2 * q)).abs() <= 1
+                        );
                     } else {
                         assert_eq!((got[2], got[3]), ((p + q + 1).div_euclid(2), 0));
                     }
@@ -125,7 +131,8 @@ fn constant_blocks_of_any_colour_reach_the_best_there_is() {
             for c in 0..3 {
                 let last: u32 = if c == 1 { 63 } else { 31 };
                 let wide = |x: u32| if c == 1 { x << 2 | x >> 4 } else { x << 3 | x >> 2 };
-                let entry = |a, b| if thirds { (2 * wide(a) + wide(b) + 1) / 3 } else { (wide(a) + wide(b) + 1) / 2 };
+                let entry =
+                    |a, b| if thirds { (2 * wide(a) + wide(b) + 1) / 3 } else { (wide(a) + wide(b) + 1) / 2 };
                 let all = (0..=last).flat_map(|a| (0..=last).map(move |b| entry(a, b)));
                 sum += all.map(|e| u64::from(e.abs_diff(u32::from(colour[c]))).pow(2)).min().unwrap();
             }
@@ -182,7 +189,8 @@ fn branch_and_bound_finds_what_brute_force_finds() {
                 for b in 0..64_u32 {
                     let palette = decode(block(a << 5, b << 5, 0xe4));
                     let entries = if a <= b && black == Black::Avoided { 3 } else { 4 };
-                    let nearest = |x: u8| palette[..entries].iter().map(|p| u64::from(p[1].abs_diff(x)).pow(2)).min();
+                    let nearest =
+                        |x: u8| palette[..entries].iter().map(|p| u64::from(p[1].abs_diff(x)).pow(2)).min();
                     best = best.min(texels.iter().map(|t| nearest(t[1]).unwrap()).sum());
                 }
             }
@@ -200,14 +208,17 @@ fn branch_and_bound_in_two_channels() {
     let mut random = Random(6);
     for round in 0..6 {
         let spread = [40, 12, 100][round % 3];
-        let texels: Texels = [(); 16].map(|()| [100 + random.below(spread) as u8, 0, 60 + random.below(spread) as u8]);
+        let texels: Texels =
+            [(); 16].map(|()| [100 + random.below(spread) as u8, 0, 60 + random.below(spread) as u8]);
         let mut best = u64::MAX;
         for ends in 0..1_u32 << 20 {
             let word = |x: u32| (x >> 5 & 31) << 11 | x & 31;
             let palette = decode(block(word(ends), word(ends >> 10), 0xe4));
             let mut sum = 0;
             for t in texels {
-                let d = |p: &[u8; 3]| u64::from(p[0].abs_diff(t[0])).pow(2) + u64::from(p[2].abs_diff(t[2])).pow(2);
+                let d = |p: &[u8; 3]| {
+                    u64::from(p[0].abs_diff(t[0])).pow(2) + u64::from(p[2].abs_diff(t[2])).pow(2)
+                };
                 sum += palette[..4].iter().map(d).min().unwrap();
                 if sum >= best {
                     break;

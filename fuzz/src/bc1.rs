@@ -56,7 +56,10 @@ fn decoders(block: [u8; 8]) {
     assert_eq!(error(block), 0.0);
     assert!(error(again) <= error(range));
     let four = bc4::decode(block);
-    assert_eq!(bc4::error(&four, &bc1::ALIKE, bc4::encode(&four, &bc1::ALIKE, bc4::Quality::Exhaustive)), 0.0);
+    assert_eq!(
+        bc4::error(&four, &bc1::ALIKE, bc4::encode(&four, &bc1::ALIKE, bc4::Quality::Exhaustive)),
+        0.0
+    );
 }
 
 /// Sums of f32 against f64: weights may differ by any factor, but the texels of large weight decide.
@@ -86,7 +89,8 @@ fn encoders(texels: &Texels, weights: &[f32; 16], thorough: bool) {
     assert!(none || bc1::decode_rgba(fast).iter().all(|t| t[3] == 255));
     // Eight at once give the bits of one.
     let mut out = [[0; 8]; 9];
-    bc1::encode_blocks(&[*texels; 9], Quality::LeastSquares, Black::Allowed, &mut out).expect("equal lengths");
+    bc1::encode_blocks(&[*texels; 9], Quality::LeastSquares, Black::Allowed, &mut out)
+        .expect("equal lengths");
     assert_eq!(out, [bc1::encode(texels, &bc1::ALIKE, Quality::LeastSquares); 9]);
     // One colour of the format is exact.
     let colour = bc1::decode([texels[0][0], texels[0][1], texels[0][0], texels[0][1], 0, 0, 0, 0])[0];

@@ -9,7 +9,10 @@ use std::time::{Duration, Instant};
 fn bench(c: &mut Criterion) {
     for contest in contests() {
         let mut group = c.benchmark_group(contest.file);
-        group.sample_size(20).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(300));
+        group
+            .sample_size(20)
+            .measurement_time(Duration::from_secs(1))
+            .warm_up_time(Duration::from_millis(300));
         group.throughput(Throughput::Elements(contest.items));
         for mut contender in contest.contenders {
             group.bench_function(contender.name.as_str(), |b| b.iter(|| (contender.work)()));

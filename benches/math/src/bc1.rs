@@ -58,8 +58,14 @@ pub fn operator(cells: usize, shuffled: bool) -> Picture {
     let b = EmptyBox::new([4.0, 2.5, 3.0], cells);
     let n = b.len();
     let mut random = Random::new(0xb0c5);
-    const WALLS: [[f64; 3]; 6] =
-        [[0.63, 0.06, 0.05], [0.14, 0.45, 0.09], [0.7, 0.7, 0.68], [0.35, 0.25, 0.15], [0.7; 3], [0.1, 0.2, 0.6]];
+    const WALLS: [[f64; 3]; 6] = [
+        [0.63, 0.06, 0.05],
+        [0.14, 0.45, 0.09],
+        [0.7, 0.7, 0.68],
+        [0.35, 0.25, 0.15],
+        [0.7; 3],
+        [0.1, 0.2, 0.6],
+    ];
     let colours: Vec<[f64; 3]> = (0..n)
         .map(|j| {
             let stain = random.range(0.85, 1.0);

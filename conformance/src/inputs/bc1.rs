@@ -6,7 +6,8 @@ use etendue_core::codec::bc1::Rule;
 use etendue_core::kernel::Kernel;
 
 /// Endpoints that matter: equal, next to each other, the ends of each channel, either order.
-const ENDS: [u32; 12] = [0, 1, 0x001f, 0x0020, 0x07e0, 0x0800, 0x8410, 0x8411, 0xf800, 0xffdf, 0xfffe, 0xffff];
+const ENDS: [u32; 12] =
+    [0, 1, 0x001f, 0x0020, 0x07e0, 0x0800, 0x8410, 0x8411, 0xf800, 0xffdf, 0xfffe, 0xffff];
 
 /// Every pair of the endpoints above with every index in use, then random blocks; a third of them with near endpoints.
 fn blocks(count: usize, r: &mut Random) -> Vec<u32> {

@@ -58,7 +58,10 @@ fn decode(ends: u32, indices: u32, rule: u32, alpha: bool) -> Answer {
     let palette = palette(ends % 65_536, ends / 65_536, rule);
     let texel = |i: u32| {
         let entry = palette[(indices / 4_u32.pow(i) % 4) as usize];
-        let word = entry[0] + 256.0 * entry[1] + 65_536.0 * entry[2] + 16_777_216.0 * if alpha { entry[3] } else { 0.0 };
+        let word = entry[0]
+            + 256.0 * entry[1]
+            + 65_536.0 * entry[2]
+            + 16_777_216.0 * if alpha { entry[3] } else { 0.0 };
         Expect::Word(word as u32)
     };
     Answer::Is((0..16).map(texel).collect())
@@ -76,7 +79,10 @@ fn range_fit(texels: &[Colour], counts: &[bool]) -> [u32; 2] {
     let widest = extent.iter().position(|e| *e == largest).expect("one of them is the largest");
     // Sum over all pairs of the product of differences: n^2 times the covariance, without means.
     let covariance = |c: usize| -> f64 {
-        counted.iter().flat_map(|x| counted.iter().map(move |y| (x[c] - y[c]) * (x[widest] - y[widest]))).sum()
+        counted
+            .iter()
+            .flat_map(|x| counted.iter().map(move |y| (x[c] - y[c]) * (x[widest] - y[widest])))
+            .sum()
     };
     let axis = [0, 1, 2].map(|c| if covariance(c) < 0.0 { -extent[c] } else { extent[c] });
     let along = |x: &Colour| axis[0] * x[0] + axis[1] * x[1] + axis[2] * x[2];
@@ -96,7 +102,8 @@ fn range_fit(texels: &[Colour], counts: &[bool]) -> [u32; 2] {
         if counts[i] && first != second {
             let d = palette.map(|p| (0..3).map(|c| (p[c] - x[c]).powi(2)).sum::<f64>());
             let least = d.iter().copied().fold(f64::INFINITY, f64::min);
-            indices += (d.iter().position(|d| *d == least).expect("it is attained") as u32) * 4_u32.pow(i as u32);
+            indices +=
+                (d.iter().position(|d| *d == least).expect("it is attained") as u32) * 4_u32.pow(i as u32);
         }
     }
     [first + 65_536 * second, indices]
@@ -148,9 +155,7 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
             let bits = u64::from(r.word()) + (u64::from(r.word()) << 32);
             let palette = palette4((bits % 256) as f64, (bits / 256 % 256) as f64);
             Answer::Is(
-                (0..16)
-                    .map(|i| Expect::Word(palette[(bits >> (16 + 3 * i) & 7) as usize] as u32))
-                    .collect(),
+                (0..16).map(|i| Expect::Word(palette[(bits >> (16 + 3 * i) & 7) as usize] as u32)).collect(),
             )
         }
         Kernel::Bc4EncodeRangeFit => {

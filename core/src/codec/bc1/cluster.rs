@@ -91,13 +91,8 @@ pub(super) fn order<V: Eight>(t: &Target, m: &Moments, axis: [f32; 3]) -> Order 
         texel[at] = i as u8;
         *place = at as i32 as f32;
     }
-    let mut out = Order {
-        place: places,
-        before: [[0.0; 16]; 3],
-        after: [m.total; 16],
-        total: m.total,
-        alike: t.alike,
-    };
+    let mut out =
+        Order { place: places, before: [[0.0; 16]; 3], after: [m.total; 16], total: m.total, alike: t.alike };
     for k in 1..16 {
         let i = usize::from(texel[k - 1] & 15);
         for c in 0..3 {

@@ -114,7 +114,12 @@ fn distances<V: Eight>(t: &Target, codes: &Codes, mode: Mode) -> [[V; 2]; 4] {
 ///
 /// The error is exact where all texels count alike (integers below 2^24).
 #[inline(always)]
-pub(super) fn nearest<V: Eight>(t: &Target, codes: &Codes, mode: Mode, values: [f32; 4]) -> ([[f32; 8]; 2], f32) {
+pub(super) fn nearest<V: Eight>(
+    t: &Target,
+    codes: &Codes,
+    mode: Mode,
+    values: [f32; 4],
+) -> ([[f32; 8]; 2], f32) {
     let d = distances::<V>(t, codes, mode);
     let w = halves::<V>(&t.w);
     let (mut value, mut error) = ([[0.0; 8]; 2], w);

@@ -55,7 +55,8 @@ fn the_axis_is_the_eigenvector_of_the_largest_eigenvalue() {
         let m = moments::<V>(&t);
         let x = t.x.map(|x| x.map(f64::from));
         let mean = x.map(|x| x.iter().sum::<f64>() / 16.0);
-        let cov = |a: usize, b: usize| (0..16).map(|i| (x[a][i] - mean[a]) * (x[b][i] - mean[b])).sum::<f64>();
+        let cov =
+            |a: usize, b: usize| (0..16).map(|i| (x[a][i] - mean[a]) * (x[b][i] - mean[b])).sum::<f64>();
         let matrix = [0, 1, 2].map(|a| [0, 1, 2].map(|b| cov(a, b)));
         let along = |v: [f64; 3]| {
             let mv = matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
@@ -148,7 +149,10 @@ fn the_best_split_is_the_best_of_all_splits() {
             let mut splits = split::<V>(&o, four);
             let gain = splits.gain.iter().fold(0.0_f32, |m, g| m.max(*g));
             let explained = variance - least;
-            assert!((f64::from(gain) - explained).abs() <= 2e-5 * variance + 1e-3, "{gain} {explained} {variance}");
+            assert!(
+                (f64::from(gain) - explained).abs() <= 2e-5 * variance + 1e-3,
+                "{gain} {explained} {variance}"
+            );
             if let Some(q) = splits.take(&o, four) {
                 let r = residual(&t, &q.map(f64::from), most);
                 assert!(r <= least + 2e-5 * variance + 1e-3, "{r} {least}");
@@ -227,8 +231,9 @@ fn one_colour_has_the_nearest_entry_there_is() {
                     if mode == Mode::Four { (2 * a + b + 1) / 3 } else { (a + b + 1) / 2 }
                 };
                 let [a, b] = single::ends(x, five, mode);
-                let least =
-                    (0..=last).flat_map(|a| (0..=last).map(move |b| (a, b))).map(|(a, b)| entry(a, b).abs_diff(x));
+                let least = (0..=last)
+                    .flat_map(|a| (0..=last).map(move |b| (a, b)))
+                    .map(|(a, b)| entry(a, b).abs_diff(x));
                 assert_eq!(entry(a, b).abs_diff(x), least.min().unwrap());
             }
         }

@@ -11,7 +11,9 @@ pub(super) fn one(kernel: Kernel, shared: &Shared<'_>, mut r: Reader<'_>, w: &mu
         w.words([bits as u32, (bits >> 32) as u32]);
     };
     match kernel {
-        Kernel::Bc1Decode => w.words(bc1::decode(block(&mut r)).map(|[r, g, b]| u32::from_le_bytes([r, g, b, 0]))),
+        Kernel::Bc1Decode => {
+            w.words(bc1::decode(block(&mut r)).map(|[r, g, b]| u32::from_le_bytes([r, g, b, 0])))
+        }
         Kernel::Bc1DecodeWith => {
             let code = shared.constants.first().copied().unwrap_or(0);
             let rule = bc1::Rule::ALL.get(code as usize).copied().unwrap_or(bc1::Rule::Nearest);
