@@ -4,6 +4,7 @@
 //! indices only, and films add integers.
 
 pub mod log_offset;
+pub mod bc1;
 mod schedule;
 mod session;
 mod simd;

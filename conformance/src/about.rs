@@ -104,6 +104,23 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
             "conditional mean as the decoded value: Max 1960, Lloyd 1982",
         ),
         // bc1
+        K::Bc1Decode => (
+            "all blocks",
+            "the format BC1 (S. Iourcha, K. Nayak, Z. Hong 1999); thirds and halves to nearest",
+        ),
+        K::Bc1DecodeWith => {
+            ("all blocks, five rules", "Mesa, AMD, NVIDIA (I. Castano 2008): as stated with each rule")
+        }
+        K::Bc1EncodeRangeFit => (
+            "all texels, all sets that count",
+            "J. M. P. van Waveren 2006; J. M. P. van Waveren, I. Castano 2007",
+        ),
+        K::Bc4Decode => {
+            ("all blocks", "the format BC4 (ATI 2004; Khronos Data Format 1.3); quotients to nearest")
+        }
+        K::Bc4EncodeRangeFit => {
+            ("all texels, all sets that count", "the format's own range; nearest entries")
+        }
         // polynomial
         // A kernel without an entry says nothing: the coverage test fails on it.
         _ => ("", ""),

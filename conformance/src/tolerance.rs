@@ -130,6 +130,9 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
             float("u", 3.0, "exponent rounded twice, exponential and product, over 1 + |exponent|")
         }
         // bc1
+        K::Bc1Decode | K::Bc1DecodeWith | K::Bc1EncodeRangeFit | K::Bc4Decode | K::Bc4EncodeRangeFit => {
+            exact()
+        }
         // polynomial
         // A kernel without an entry allows nothing and says so: the coverage test fails on it.
         _ => Tolerance {

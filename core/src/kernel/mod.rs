@@ -210,6 +210,16 @@ kernels! {
     /// width, max | level (0 to 255, fractions too) -> mean of the cell.
     LogOffsetDecodeMean = "log_offset::decode_mean", exact(2, 1, 1);
     // bc1
+    /// both endpoints, indices -> 16 texels (0x00BBGGRR).
+    Bc1Decode = "bc1::decode", exact(0, 2, 16);
+    /// rule (its place in `Rule::ALL`; others are the first) | both endpoints, indices -> 16 texels (0xAABBGGRR).
+    Bc1DecodeWith = "bc1::decode_with", exact(1, 2, 16);
+    /// 16 texels (0x00BBGGRR), bits of those that count -> both endpoints, indices.
+    Bc1EncodeRangeFit = "bc1::encode_range_fit", exact(0, 17, 2);
+    /// endpoints and indices (2) -> 16 texels.
+    Bc4Decode = "bc4::decode", exact(0, 2, 16);
+    /// 16 texels (the lowest byte of each word), bits of those that count -> endpoints and indices (2).
+    Bc4EncodeRangeFit = "bc4::encode_range_fit", exact(0, 17, 2);
     // polynomial
 }
 
