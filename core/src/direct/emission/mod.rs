@@ -70,20 +70,17 @@ pub fn piece_area(vertices: [Vec3; 3]) -> f32 {
     if !(a.is_finite() && b.is_finite() && c.is_finite()) || largest == 0.0 {
         return 0.0;
     }
-    // Coordinates below 1/2, so that differences stay finite.
-    let k = exponent(largest) + 2;
+    // Differences must stay finite; small coordinates keep their bits.
+    let k = if largest > 1e37 { 2 } else { 0 };
     let near = |v: Vec3| [v.x, v.y, v.z].map(|x| ldexp(x, -k));
     let (a, b, c) = (near(a), near(b), near(c));
-    let edge = |p: [f32; 3]| [two_sum(p[0], -a[0]), two_sum(p[1], -a[1]), two_sum(p[2], -a[2])];
-    let (mut e, mut f) = (edge(b), edge(c));
-    let longest = e.iter().chain(&f).fold(0.0_f32, |m, x| math::max(m, x.0.abs()));
-    if longest == 0.0 {
-        return 0.0;
-    }
-    let k2 = exponent(longest);
-    for (high, low) in e.iter_mut().chain(&mut f) {
-        (*high, *low) = (ldexp(*high, -k2), ldexp(*low, -k2));
-    }
+    // Each edge is brought near length 1 by itself: one may be far longer than the other.
+    let edge = |p: [f32; 3]| {
+        let e = [two_sum(p[0], -a[0]), two_sum(p[1], -a[1]), two_sum(p[2], -a[2])];
+        let k = exponent(e.iter().fold(0.0_f32, |m, x| math::max(m, x.0.abs())));
+        (e.map(|(high, low)| (ldexp(high, -k), ldexp(low, -k))), k)
+    };
+    let ((e, ke), (f, kf)) = (edge(b), edge(c));
     let cross = [minor(e[1], f[2], e[2], f[1]), minor(e[2], f[0], e[0], f[2]), minor(e[0], f[1], e[1], f[0])];
     let largest = cross.iter().fold(0.0_f32, |m, x| math::max(m, x.abs()));
     if largest == 0.0 {
@@ -91,7 +88,7 @@ pub fn piece_area(vertices: [Vec3; 3]) -> f32 {
     }
     let k3 = exponent(largest);
     let [x, y, z] = cross.map(|x| ldexp(x, -k3));
-    scaled(math::sqrt(x * x + y * y + z * z), 2 * (k + k2) + k3 - 1)
+    scaled(math::sqrt(x * x + y * y + z * z), 2 * k + ke + kf + k3 - 1)
 }
 
 /// a d - b c of numbers in two parts, with one rounding's error but for products of two low parts.
@@ -182,7 +179,7 @@ impl VertexAlbedo {
 pub fn importance(emission: Vec3, bound: Vec3) -> f32 {
     const SHARE: f32 = 1.0 / 16_777_216.0;
     let floor = math::mean(bound) * SHARE;
-    // A bound below 2^-102 would vanish in the product.
-    let floor = if floor > 0.0 || math::mean(bound) <= 0.0 { floor } else { f32::from_bits(1) };
+    // A bound so small that its share would vanish.
+    let floor = if floor == 0.0 && math::max_component(bound) > 0.0 { f32::from_bits(1) } else { floor };
     math::max(math::mean(emission), floor)
 }

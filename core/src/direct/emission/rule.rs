@@ -52,11 +52,11 @@ pub struct Exact<'a> {
 }
 
 /// A cell on an edge costs as much as so many cells of the scan.
-pub const EDGE_COST: f32 = 1.0;
+const EDGE_COST: f32 = 1.0;
 /// Cells that edges may meet before a piece is sampled instead.
-pub const MAX_CELLS: f32 = 262_144.0;
+const MAX_CELLS: f32 = 262_144.0;
 /// Divisions of a piece that is sampled: 4096 points.
-pub const DIVISIONS: u32 = 64;
+const DIVISIONS: u32 = 64;
 
 impl<'a> Exact<'a> {
     /// The rule with its tables, 11 bytes per texel beside the bitmap.
