@@ -119,13 +119,16 @@ fn coefficients_are_the_product_at_any_scale() {
         worst_mean = worst_mean.max(check(got.x, mean, 2.0));
         let got = emission(Vec3::splat(ka), area, irradiance);
         worst = worst.max(check(got.x, f64::from(ka) * f64::from(area) * mean, 4.0));
-        let textured =
-            (0..3).map(|i| f64::from(hats[i]) * f64::from(e[i])).sum::<f64>() / 3.0 * f64::from(ka) * f64::from(area);
+        let textured = (0..3).map(|i| f64::from(hats[i]) * f64::from(e[i])).sum::<f64>() / 3.0
+            * f64::from(ka)
+            * f64::from(area);
         let albedo = VertexAlbedo { at: hats.map(Vec3::splat) };
         let got = emission_textured(Vec3::splat(ka), area, irradiance, &albedo);
         worst_textured = worst_textured.max(check(got.x, textured, 5.0));
     }
-    println!("mean_irradiance {worst_mean:.2} ulp, emission {worst:.2} ulp, textured {worst_textured:.2} ulp");
+    println!(
+        "mean_irradiance {worst_mean:.2} ulp, emission {worst:.2} ulp, textured {worst_textured:.2} ulp"
+    );
 }
 
 #[test]
@@ -174,7 +177,8 @@ fn half(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 fn pieces_of_a_piece_emit_what_it_emits() {
     let g = Counter::new(23);
     for n in 0..500_u32 {
-        let v = |d: u32| Vec3::new(g.unit(0, n, d), g.unit(0, n, d + 1), g.unit(0, n, d + 2)) * 4.0 - Vec3::ONE;
+        let v =
+            |d: u32| Vec3::new(g.unit(0, n, d), g.unit(0, n, d + 1), g.unit(0, n, d + 2)) * 4.0 - Vec3::ONE;
         let corners = [v(0), v(3), v(6)];
         let light = [v(9), v(12), v(15)].map(|x| x.abs() * 100.0);
         let albedo = Vec3::new(0.2, 0.5, 0.9);

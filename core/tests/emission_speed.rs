@@ -55,7 +55,10 @@ fn what_the_ways_cost() {
                 t[t.len() / 2]
             })
             .collect();
-        println!("{size:>13} | {met:>6.0} | {}", medians.iter().map(|m| format!("{m:>8.0}")).collect::<Vec<_>>().join(" | "));
+        println!(
+            "{size:>13} | {met:>6.0} | {}",
+            medians.iter().map(|m| format!("{m:>8.0}")).collect::<Vec<_>>().join(" | ")
+        );
         assert!(medians.iter().all(|m| *m > 0.0));
     }
 }

@@ -45,9 +45,7 @@ impl Image {
         let (i, j) = (i as i64, j as i64);
         let (a, b) = (self.texel(i, j), self.texel(i + 1, j));
         let (c, d) = (self.texel(i, j + 1), self.texel(i + 1, j + 1));
-        [0, 1, 2].map(|k| {
-            (1.0 - fy) * ((1.0 - fx) * a[k] + fx * b[k]) + fy * ((1.0 - fx) * c[k] + fx * d[k])
-        })
+        [0, 1, 2].map(|k| (1.0 - fy) * ((1.0 - fx) * a[k] + fx * b[k]) + fy * ((1.0 - fx) * c[k] + fx * d[k]))
     }
 
     /// The albedo at each vertex, of a piece with some area in the bitmap: Gauss's rule over rows and along each chord,
@@ -80,7 +78,8 @@ impl Image {
             rows.extend(lines(a[1].min(b[1]), a[1].max(b[1])));
             if a[0] != b[0] {
                 rows.extend(
-                    lines(a[0].min(b[0]), a[0].max(b[0])).map(|x| a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
+                    lines(a[0].min(b[0]), a[0].max(b[0]))
+                        .map(|x| a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
                 );
             }
         }

@@ -149,7 +149,10 @@ fn picks_find_their_entries_and_weigh_them() {
         let (n, truth) = (f64::from(n), f64::from(t.sum().flux()[c]));
         let mean = sum[c] / n;
         let error = ((square[c] / n - mean * mean).max(0.0) / n).sqrt();
-        assert!((mean - truth).abs() <= 5.0 * error + 1e-6 * truth, "channel {c}: {mean} for {truth} +- {error}");
+        assert!(
+            (mean - truth).abs() <= 5.0 * error + 1e-6 * truth,
+            "channel {c}: {mean} for {truth} +- {error}"
+        );
     }
 }
 

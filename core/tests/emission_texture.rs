@@ -5,8 +5,8 @@
 mod support;
 
 use etendue_core::direct::emission::{
-    Bitmap, BitmapError, Exact, MAX_SIDE, PieceAlbedo, Published, Pyramid, RowSums, VertexAlbedo, brightest_in,
-    overlap_unit, sample_points, scan, scan_texels,
+    Bitmap, BitmapError, Exact, MAX_SIDE, PieceAlbedo, Published, Pyramid, RowSums, VertexAlbedo,
+    brightest_in, overlap_unit, sample_points, scan, scan_texels,
 };
 use etendue_core::math::Vec3;
 use etendue_core::sampling::counter::Counter;
@@ -71,7 +71,9 @@ fn edges_give_the_integral_too() {
             let mut uv = piece(&g, n + 1000 * i as u32, image, size);
             if n % 5 == 4 {
                 // Vertices on texel centres and corners, edges along lines.
-                let grid = |u: f32, n: u32| ((f64::from(u) * 2.0 * f64::from(n)).round() / (2.0 * f64::from(n))) as f32;
+                let grid = |u: f32, n: u32| {
+                    ((f64::from(u) * 2.0 * f64::from(n)).round() / (2.0 * f64::from(n))) as f32
+                };
                 uv = uv.map(|p| [grid(p[0], image.record.width), grid(p[1], image.record.height)]);
                 uv[1][1] = uv[0][1];
             }
@@ -300,14 +302,30 @@ fn any_floats_give_albedos() {
     let exact = Exact::new(image.bitmap());
     let published = Published::new(image.bitmap(), 64.0);
     let hard = [
-        0.0, -0.0, 1.0, 0.5, -1e-40, 1e-40, 1e38, -1e38, f32::MAX, f32::NAN, f32::INFINITY, 8388608.5, 1e6,
+        0.0,
+        -0.0,
+        1.0,
+        0.5,
+        -1e-40,
+        1e-40,
+        1e38,
+        -1e38,
+        f32::MAX,
+        f32::NAN,
+        f32::INFINITY,
+        8388608.5,
+        1e6,
         -0.99999994,
     ];
     for n in 0..4000_u32 {
         let uv = [0, 1, 2].map(|k| {
             [0, 1].map(|a| {
                 let w = g.bits(7, n, 2 * k + a);
-                if w % 3 == 0 { hard[(w / 3 % hard.len() as u32) as usize] } else { f32::from_bits(g.bits(8, n, 2 * k + a)) }
+                if w % 3 == 0 {
+                    hard[(w / 3 % hard.len() as u32) as usize]
+                } else {
+                    f32::from_bits(g.bits(8, n, 2 * k + a))
+                }
             })
         });
         let bound = exact.brightest(uv);

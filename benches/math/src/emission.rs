@@ -114,7 +114,11 @@ fn contest(title: &'static str, file: &'static str, size: f64, count: usize) -> 
             false,
             Box::new(move |uv| scan_texels(&bitmap, *uv, ALL).unwrap_or_default().mean()),
         ),
-        ("scan, bilinear".into(), true, Box::new(move |uv| scan(&bitmap, *uv, ALL).unwrap_or_default().mean())),
+        (
+            "scan, bilinear".into(),
+            true,
+            Box::new(move |uv| scan(&bitmap, *uv, ALL).unwrap_or_default().mean()),
+        ),
         (
             "edges (row sums), else the scan".into(),
             true,
@@ -175,5 +179,12 @@ fn contest(title: &'static str, file: &'static str, size: f64, count: usize) -> 
             Contender { name, ours, error: (square / (3 * count) as f64).sqrt(), work }
         })
         .collect();
-    Contest { title, file, error_label: "RMS error of the mean albedo", item: "piece", items: count as u64, contenders }
+    Contest {
+        title,
+        file,
+        error_label: "RMS error of the mean albedo",
+        item: "piece",
+        items: count as u64,
+        contenders,
+    }
 }

@@ -8,7 +8,9 @@ pub(super) fn inputs(kernel: Kernel, count: usize, r: &mut Random) -> Vec<Batch>
     match kernel {
         Kernel::EmissionCoefficient => single(coefficients(count, r)),
         Kernel::EmissionOverlap => single(overlaps(count / 4 + 50, r)),
-        Kernel::EmissionScan | Kernel::EmissionScanTexels | Kernel::EmissionBrightest => bitmaps(kernel, count, r),
+        Kernel::EmissionScan | Kernel::EmissionScanTexels | Kernel::EmissionBrightest => {
+            bitmaps(kernel, count, r)
+        }
         _ => Vec::new(),
     }
 }
@@ -16,7 +18,9 @@ pub(super) fn inputs(kernel: Kernel, count: usize, r: &mut Random) -> Vec<Batch>
 fn coefficients(count: usize, r: &mut Random) -> Vec<u32> {
     let mut items = Vec::new();
     // No area, no light, no albedo.
-    for (corner, light, albedo) in [([0.0; 3], 1.0, 1.0), ([0.0, 1.0, 0.0], 0.0, 1.0), ([0.0, 1.0, 0.0], 1.0, 0.0_f32)] {
+    for (corner, light, albedo) in
+        [([0.0; 3], 1.0, 1.0), ([0.0, 1.0, 0.0], 0.0, 1.0), ([0.0, 1.0, 0.0], 1.0, 0.0_f32)]
+    {
         put(&mut items, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
         put(&mut items, &corner);
         put(&mut items, &[albedo; 3]);

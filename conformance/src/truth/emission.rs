@@ -8,11 +8,8 @@ use etendue_core::kernel::Kernel;
 
 const U: f64 = 1.0 / 16_777_216.0;
 /// Nodes and weights of Gauss's rule on [0, 1], exact to degree 5.
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
+const GAUSS: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
 /// Visits points (x, y, barycentrics, weight) of the piece, such that weighted sums are exact integrals, in units of
 /// the piece's area, of what is in each cell a polynomial of third degree in the barycentrics.
@@ -191,7 +188,8 @@ fn scanned(bitmap: &Bitmap<'_>, uv: [[f64; 2]; 3], filtered: bool) -> Answer {
     let p = bitmap.piece(uv, 0.0);
     let d = |i: usize, j: usize, k: usize| p[i][k] - p[j][k];
     let area = 0.5 * (d(1, 0, 0) * d(2, 0, 1) - d(1, 0, 1) * d(2, 0, 0)).abs();
-    let edges: f64 = [(0, 1), (1, 2), (2, 0)].iter().map(|(i, j)| d(*i, *j, 0).abs() + d(*i, *j, 1).abs()).sum();
+    let edges: f64 =
+        [(0, 1), (1, 2), (2, 0)].iter().map(|(i, j)| d(*i, *j, 0).abs() + d(*i, *j, 1).abs()).sum();
     let cells = area + edges + 9.0;
     if (cells / 4096.0 - 1.0).abs() < 1e-3 {
         return Answer::Undecided;

@@ -37,18 +37,26 @@ fn periods(x: i64, n: u32) -> (i64, u32) {
     (x.div_euclid(i64::from(n)), x.rem_euclid(i64::from(n)) as u32)
 }
 
-/// One step of the sums over the cell from texel `x` (albedo `a`) to the next (`b`).
+/// Adds to the sums, or takes from them (`sign`), the cell from texel `x` (albedo `a`) to the next (`b`).
 #[inline(always)]
-fn step(sum: &mut Sum, x: u32, a: [f32; 3], b: [f32; 3]) {
+fn step(sum: &mut Sum, x: f64, a: [f64; 3], b: [f64; 3], sign: f64) {
     for c in 0..3 {
-        let (a, b) = (f64::from(a[c]), f64::from(b[c]));
-        let mean = 0.5 * (a + b);
-        sum[c] += mean;
-        sum[3 + c] += f64::from(x) * mean + (a + 2.0 * b) * (1.0 / 6.0);
+        let mean = 0.5 * (a[c] + b[c]);
+        sum[c] += sign * mean;
+        sum[3 + c] += sign * (x * mean + (a[c] + 2.0 * b[c]) * (1.0 / 6.0));
     }
 }
 
+/// Two rows of cells above each other, along which an edge walks.
+struct Pair {
+    x: i64,
+    y: i64,
+    upper: Cell,
+    lower: Cell,
+}
+
 /// A row's integral over a cell: the sums up to the cell, and the two texels.
+#[derive(Clone, Copy)]
 struct Cell {
     before: Sum,
     from: [f64; 3],
@@ -98,14 +106,14 @@ impl RowSums {
         let mut sums = Vec::with_capacity(stride * size[1] as usize);
         for y in 0..size[1] {
             let mut sum = [0.0; 6];
-            let first = texels.texel(0, y);
+            let first = texels.texel(0, y).map(f64::from);
             let mut a = first;
             for x in 0..size[0] {
                 if (x as usize).is_multiple_of(STEP) {
                     sums.push(sum);
                 }
-                let b = if x + 1 < size[0] { texels.texel(x + 1, y) } else { first };
-                step(&mut sum, x, a, b);
+                let b = if x + 1 < size[0] { texels.texel(x + 1, y).map(f64::from) } else { first };
+                step(&mut sum, f64::from(x), a, b, 1.0);
                 a = b;
             }
             sums.push(sum);
@@ -131,12 +139,12 @@ impl RowSums {
         let (_, row) = periods(y, self.size[1]);
         let line = &self.sums[row as usize * self.stride..][..self.stride];
         let mut before = line[column as usize / STEP];
-        let next = |x: u32| texels.texel(if x + 1 < self.size[0] { x + 1 } else { 0 }, row);
+        let next = |x: u32| texels.texel(if x + 1 < self.size[0] { x + 1 } else { 0 }, row).map(f64::from);
         let mut at = column - column % STEP as u32;
-        let mut from = texels.texel(at, row);
+        let mut from = texels.texel(at, row).map(f64::from);
         while at < column {
             let to = next(at);
-            step(&mut before, at, from, to);
+            step(&mut before, f64::from(at), from, to, 1.0);
             from = to;
             at += 1;
         }
@@ -150,8 +158,44 @@ impl RowSums {
                 before[c] += k * whole[c];
             }
         }
-        let from = from.map(f64::from);
-        Cell { before, from, rise: [0, 1, 2].map(|c| f64::from(to[c]) - from[c]) }
+        Cell { before, from, rise: [0, 1, 2].map(|c| to[c] - from[c]) }
+    }
+
+    /// The cell beside one of column `x` in row `y`, to the right or to the left.
+    #[inline]
+    fn beside<T: Texels + ?Sized>(&self, texels: &T, cell: &Cell, x: i64, y: i64, right: bool) -> Cell {
+        let texel =
+            |x: i64| texels.texel(periods(x, self.size[0]).1, periods(y, self.size[1]).1).map(f64::from);
+        let mut before = cell.before;
+        let (from, to) = if right {
+            let middle = [0, 1, 2].map(|c| cell.from[c] + cell.rise[c]);
+            step(&mut before, x as f64, cell.from, middle, 1.0);
+            (middle, texel(x + 2))
+        } else {
+            let new = texel(x - 1);
+            step(&mut before, (x - 1) as f64, new, cell.from, -1.0);
+            (new, cell.from)
+        };
+        Cell { before, from, rise: [0, 1, 2].map(|c| to[c] - from[c]) }
+    }
+
+    /// The cells of column `x` in rows `y` and `y + 1`, from those of the stretch before where they are neighbours.
+    #[inline]
+    fn pair<T: Texels + ?Sized>(&self, texels: &T, last: Option<Pair>, x: i64, y: i64) -> Pair {
+        match last {
+            Some(p) if p.y == y && (p.x - x).abs() == 1 => {
+                let right = x > p.x;
+                let upper = self.beside(texels, &p.upper, p.x, y, right);
+                Pair { x, y, upper, lower: self.beside(texels, &p.lower, p.x, y + 1, right) }
+            }
+            Some(p) if p.x == x && p.y + 1 == y => {
+                Pair { x, y, upper: p.lower, lower: self.cell(texels, x, y + 1) }
+            }
+            Some(p) if p.x == x && p.y - 1 == y => {
+                Pair { x, y, upper: self.cell(texels, x, y), lower: p.upper }
+            }
+            _ => Pair { x, y, upper: self.cell(texels, x, y), lower: self.cell(texels, x, y + 1) },
+        }
     }
 
     /// Adds the integrals along the edge from `p` to `q`.
@@ -179,15 +223,18 @@ impl RowSums {
                 low - 1.0
             }
         });
-        let crossing =
-            |line: f64, k: usize| if d[k] == 0.0 { f64::INFINITY } else { (line - p[k]) / d[k] };
+        let crossing = |line: f64, k: usize| if d[k] == 0.0 { f64::INFINITY } else { (line - p[k]) / d[k] };
         let mut next = [crossing(line[0], 0), crossing(line[1], 1)];
-        let mut from = 0.0_f64;
+        let (mut from, mut pair) = (0.0_f64, None);
         while from < 1.0 {
             let to = if next[0] < next[1] { next[0] } else { next[1] };
             let to = if to < 1.0 { to } else { 1.0 };
             if to > from {
-                self.stretch(texels, p, d, from, to, origin, out);
+                let middle = 0.5 * (from + to);
+                let (x, y) = (floor(p[0] + middle * d[0]), floor(p[1] + middle * d[1]));
+                let here = self.pair(texels, pair, x, y);
+                stretch(&here, p, d, [from, to], origin, out);
+                pair = Some(here);
             }
             for k in 0..2 {
                 if next[k] <= to {
@@ -196,49 +243,6 @@ impl RowSums {
                 }
             }
             from = to;
-        }
-    }
-
-    /// Adds the integrals over the stretch `from..to` of an edge, all in one cell: polynomials of degree 4, by the
-    /// three points of Gauss, exact to degree 5.
-    #[expect(clippy::too_many_arguments, reason = "one call; an edge and a place to put it")]
-    #[inline]
-    fn stretch<T: Texels + ?Sized>(
-        &self,
-        texels: &T,
-        p: [f64; 2],
-        d: [f64; 2],
-        from: f64,
-        to: f64,
-        origin: [f64; 2],
-        out: &mut Integrals,
-    ) {
-        const ROOT: f64 = 0.387_298_334_620_741_7; // sqrt(3/5) / 2
-        let middle = 0.5 * (from + to);
-        let (x, y) = (floor(p[0] + middle * d[0]), floor(p[1] + middle * d[1]));
-        let (upper, lower) = (self.cell(texels, x, y), self.cell(texels, x, y + 1));
-        let (column, row) = (x as f64, y as f64);
-        let dy = (to - from) * d[1];
-        for (offset, weight) in [(-ROOT, 5.0 / 18.0), (0.0, 8.0 / 18.0), (ROOT, 5.0 / 18.0)] {
-            let t = middle + offset * (to - from);
-            let (fx, fy) = (p[0] + t * d[0] - column, p[1] + t * d[1] - row);
-            let height = row + fy - origin[1];
-            let half = 0.5 * fx * fx;
-            let third = fx * fx * fx * (1.0 / 3.0);
-            for c in 0..3 {
-                let of = |cell: &Cell| {
-                    let here = cell.from[c] * fx + cell.rise[c] * half;
-                    let moment = cell.from[c] * half + cell.rise[c] * third;
-                    (cell.before[c] + here, cell.before[3 + c] + column * here + moment)
-                };
-                let (a, b) = (of(&upper), of(&lower));
-                let sum = a.0 + fy * (b.0 - a.0);
-                let moment = a.1 + fy * (b.1 - a.1);
-                let w = weight * dy;
-                out.plain[c] += w * sum;
-                out.rows[c] += w * height * sum;
-                out.columns[c] += w * (moment - origin[0] * sum);
-            }
         }
     }
 
@@ -283,5 +287,43 @@ impl RowSums {
             Vec3::new(of(0), of(1), of(2))
         });
         Some(VertexAlbedo { at })
+    }
+}
+
+/// Adds the integrals over a stretch of an edge, all in one cell: polynomials of degree 4, by the three points of
+/// Gauss, exact to degree 5.
+#[inline]
+fn stretch(
+    pair: &Pair,
+    p: [f64; 2],
+    d: [f64; 2],
+    [from, to]: [f64; 2],
+    origin: [f64; 2],
+    out: &mut Integrals,
+) {
+    const ROOT: f64 = 0.387_298_334_620_741_7; // sqrt(3/5) / 2
+    let middle = 0.5 * (from + to);
+    let (column, row) = (pair.x as f64, pair.y as f64);
+    let dy = (to - from) * d[1];
+    for (offset, weight) in [(-ROOT, 5.0 / 18.0), (0.0, 8.0 / 18.0), (ROOT, 5.0 / 18.0)] {
+        let t = middle + offset * (to - from);
+        let (fx, fy) = (p[0] + t * d[0] - column, p[1] + t * d[1] - row);
+        let height = row + fy - origin[1];
+        let half = 0.5 * fx * fx;
+        let third = fx * fx * fx * (1.0 / 3.0);
+        let w = weight * dy;
+        for c in 0..3 {
+            let of = |cell: &Cell| {
+                let here = cell.from[c] * fx + cell.rise[c] * half;
+                let moment = cell.from[c] * half + cell.rise[c] * third;
+                (cell.before[c] + here, cell.before[3 + c] + column * here + moment)
+            };
+            let (a, b) = (of(&pair.upper), of(&pair.lower));
+            let sum = a.0 + fy * (b.0 - a.0);
+            let moment = a.1 + fy * (b.1 - a.1);
+            out.plain[c] += w * sum;
+            out.rows[c] += w * height * sum;
+            out.columns[c] += w * (moment - origin[0] * sum);
+        }
     }
 }

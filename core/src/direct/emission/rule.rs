@@ -1,9 +1,7 @@
 //! Which way to take for a piece.
 
 use super::frame::Frame;
-use super::{
-    Bitmap, Pyramid, RowSums, Texels, VertexAlbedo, sample_points, scan, scan_texels,
-};
+use super::{Bitmap, Pyramid, RowSums, Texels, VertexAlbedo, sample_points, scan, scan_texels};
 use crate::math::Vec3;
 
 /// A way to the albedo of pieces over one bitmap.
@@ -52,7 +50,7 @@ pub struct Exact<'a> {
 }
 
 /// A cell on an edge costs as much as so many cells of the scan.
-const EDGE_COST: f32 = 1.0;
+const EDGE_COST: f32 = 1.2;
 /// Cells that edges may meet before a piece is sampled instead.
 const MAX_CELLS: f32 = 262_144.0;
 /// Divisions of a piece that is sampled: 4096 points.

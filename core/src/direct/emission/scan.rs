@@ -22,12 +22,7 @@ struct Sums {
 
 impl Sums {
     fn new() -> Self {
-        Self {
-            total: [[Compensated::default(); 3]; 3],
-            row: [[0.0; 3]; 3],
-            at: 0,
-            brightest: [0.0; 3],
-        }
+        Self { total: [[Compensated::default(); 3]; 3], row: [[0.0; 3]; 3], at: 0, brightest: [0.0; 3] }
     }
 
     /// Rows are summed plainly, and then into a compensated total.
@@ -187,7 +182,8 @@ fn bilinear<T: Texels + ?Sized>(texels: &T, size: [u32; 2], uv: [f32; 2]) -> [f3
     };
     let (x0, x1, fx) = axis(uv[0], size[0]);
     let (y0, y1, fy) = axis(-uv[1], size[1]);
-    let (a, b, c, d) = (texels.texel(x0, y0), texels.texel(x1, y0), texels.texel(x0, y1), texels.texel(x1, y1));
+    let (a, b, c, d) =
+        (texels.texel(x0, y0), texels.texel(x1, y0), texels.texel(x0, y1), texels.texel(x1, y1));
     [0, 1, 2].map(|i| {
         let (top, low) = (a[i] * (1.0 - fx) + b[i] * fx, c[i] * (1.0 - fx) + d[i] * fx);
         top * (1.0 - fy) + low * fy
