@@ -1,5 +1,6 @@
 //! Areas, mean irradiance and emission coefficients against exact products in f64 and integers.
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
+#![allow(clippy::needless_range_loop, reason = "vertices and channels go by index")]
 
 use etendue_core::direct::emission::{
     VertexAlbedo, emission, emission_textured, importance, mean_irradiance, piece_area,

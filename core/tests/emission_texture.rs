@@ -1,5 +1,6 @@
 //! Albedo of pieces over a bitmap: scans, edges, bounds and rules against chords in f64.
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
+#![allow(clippy::needless_range_loop, reason = "vertices and channels go by index")]
 
 #[path = "emission_support.rs"]
 mod support;
@@ -321,7 +322,7 @@ fn any_floats_give_albedos() {
         let uv = [0, 1, 2].map(|k| {
             [0, 1].map(|a| {
                 let w = g.bits(7, n, 2 * k + a);
-                if w % 3 == 0 {
+                if w.is_multiple_of(3) {
                     hard[(w / 3 % hard.len() as u32) as usize]
                 } else {
                     f32::from_bits(g.bits(8, n, 2 * k + a))

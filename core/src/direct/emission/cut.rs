@@ -118,26 +118,21 @@ impl Part {
             let share = self.share(i) * (1.0 / 60.0);
             let (a, b, c) = (&local[0], &local[i], &local[i + 1]);
             let sum = |k: usize| a[k] + b[k] + c[k];
-            let pair = |k: usize, l: usize| a[k] * b_(l, a) + b[k] * b_(l, b) + c[k] * b_(l, c);
+            let pair = |k: usize, l: usize| a[k] * a[l] + b[k] * b[l] + c[k] * c[l];
             for (corner, out) in out.iter_mut().enumerate() {
                 let (x, y) = (corner & 1, 2 + (corner >> 1));
                 let (sx, sy) = (sum(x), sum(y));
                 let sxy = pair(x, y);
-                for k in 0..3 {
+                for (k, out) in out.iter_mut().enumerate() {
                     let r = 4 + k;
                     let triple = a[x] * a[y] * a[r] + b[x] * b[y] * b[r] + c[x] * c[y] * c[r];
                     let whole = sum(r) * (sx * sy + sxy) + sx * pair(y, r) + sy * pair(x, r) + 2.0 * triple;
-                    out[k] += share * whole;
+                    *out += share * whole;
                 }
             }
         }
         out
     }
-}
-
-#[inline(always)]
-fn b_(k: usize, of: &[f32; 7]) -> f32 {
-    of[k]
 }
 
 /// The point between two corners at `at`, d and e being their signed distances from it.
@@ -203,7 +198,7 @@ pub struct Overlap {
 /// squeezed to a line or a point has the share of its barycentric area.
 pub fn overlap_unit(points: [[f32; 2]; 3]) -> Overlap {
     const LIMIT: f32 = 1e18;
-    if points.iter().flatten().any(|x| !(x.abs() <= LIMIT)) {
+    if !points.iter().flatten().all(|x| x.abs() <= LIMIT) {
         return Overlap::default();
     }
     let (_, part) = Part::whole(points).split::<1>(0.0);

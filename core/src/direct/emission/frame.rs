@@ -35,7 +35,7 @@ fn texel_coordinates(u: [f32; 3], n: u32) -> Option<[(f32, f32); 3]> {
     let periods = math::trunc(near);
     let n = n as f32;
     let u = u.map(|x| x - periods);
-    if u.iter().any(|x| !((x * n).abs() <= MAX_SPAN)) {
+    if !u.iter().all(|x| (x * n).abs() <= MAX_SPAN) {
         return None;
     }
     Some(u.map(|x| two_prod(x, n)))
@@ -117,7 +117,7 @@ pub(super) fn touched(u: [f32; 3], n: u32) -> Touched {
     let first = math::floor(low - margin - 0.5);
     let last = math::floor(high + margin - 0.5) + 1.0;
     let count = last - first + 1.0;
-    if !(count < n as f32) {
+    if count >= n as f32 {
         return all;
     }
     Touched { first: (first as i32).rem_euclid(n as i32) as u32, count: count as u32 }
