@@ -122,6 +122,14 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
         K::SampleBitmap => float("u", 3.0, CONDITION),
         // linear_triangle
         // emission
+        K::EmissionCoefficient => {
+            float("ulp", 6.0, "two-part cross product and length, sum and three products")
+        }
+        K::EmissionOverlap => float("u", 6.0, "four crossings and the cross product of each part"),
+        K::EmissionScan => float("u", 12.0, "crossings, and the sums over the cells"),
+        K::EmissionScanTexels => float("u", 12.0, "crossings, and the sums over the texels"),
+        K::EmissionBrightest => float("ulp", 8.5, "that of the decoded texel, and the margin's product"),
+
         // subdivide
         // log_offset
         K::LogOffsetEncode => exact(),

@@ -8,7 +8,10 @@ use std::collections::BTreeSet;
 fn constants(kernel: Kernel) -> Vec<u32> {
     let one = 1.0_f32.to_bits();
     match kernel {
-        Kernel::SampleBitmap => vec![1, 1, 0x00ff_ffff],
+        Kernel::SampleBitmap
+        | Kernel::EmissionScan
+        | Kernel::EmissionScanTexels
+        | Kernel::EmissionBrightest => vec![1, 1, 0x00ff_ffff],
         Kernel::CdfPick | Kernel::CdfPmf => vec![0, 1 << 31],
         Kernel::SampleParallelogram | Kernel::InvertParallelogram => [0, 0, 0, one, 0, 0, 0, one, 0].to_vec(),
         Kernel::CameraRay => {

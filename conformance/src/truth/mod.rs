@@ -8,7 +8,7 @@
 
 mod bc1;
 mod bsdf;
-mod emission;
+pub mod emission;
 pub mod empty_box;
 mod geometry;
 mod light;

@@ -199,6 +199,19 @@ kernels! {
 
     // linear_triangle
     // emission
+    /// three vertices (vec3 each), albedo (vec3), irradiance at the vertices (vec3 each) -> emission (vec3), area.
+    EmissionCoefficient = "emission::coefficient", exact(0, 21, 4);
+    /// texel coordinates of three vertices (2 each) -> share of the triangle in the cell [0, 1]^2, mean barycentrics (3).
+    EmissionOverlap = "emission::overlap", exact(0, 6, 4);
+    /// width, height, texels (0x00BBGGRR) | uv of three vertices (2 each) -> flag (at most 4096 cells), albedo at the
+    /// vertices (vec3 each) under the bilinear filter.
+    EmissionScan = "emission::scan", table(3, 6, 10);
+    /// width, height, texels (0x00BBGGRR) | uv of three vertices (2 each) -> flag (at most 4096 texels), albedo at the
+    /// vertices (vec3 each) with constant texels.
+    EmissionScanTexels = "emission::scan_texels", table(3, 6, 10);
+    /// width, height, texels (0x00BBGGRR) | uv of three vertices (2 each) -> bound (vec3).
+    EmissionBrightest = "emission::brightest_in", table(3, 6, 3);
+
     // subdivide
     // log_offset
     /// 255 thresholds, never decreasing | x -> code.

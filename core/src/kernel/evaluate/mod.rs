@@ -120,7 +120,7 @@ struct Shared<'a> {
 
 fn shared(kernel: Kernel, constants: &[u32]) -> Shared<'_> {
     let at = |i: usize| u64::from(constants.get(i).copied().unwrap_or(0));
-    let decode = if kernel == Kernel::SampleBitmap {
+    let decode = if kernel == Kernel::SampleBitmap || kernel.module() == "emission" {
         (0..SRGB_CODES).map(|code| srgb_to_linear(code as u8)).collect()
     } else {
         Vec::new()

@@ -1,1 +1,0 @@
-//! Emission coefficients of (piece, light) pairs.
