@@ -3,6 +3,7 @@
 //! The same job gives the same bits for any number of threads: chunks are fixed, each sample depends on its own
 //! indices only, and films add integers.
 
+mod linear;
 mod schedule;
 mod session;
 mod simd;
@@ -14,6 +15,7 @@ use etendue_core::scene::CompiledScene;
 use rayon::prelude::*;
 use std::sync::Arc;
 
+pub use linear::{Linear, ParallelOperator, WideStripe};
 pub use session::CpuSession;
 
 /// Items per task of [`Backend::map`].
@@ -51,6 +53,11 @@ impl CpuBackend {
     /// Number of worker threads.
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
+    }
+
+    /// Linear algebra on this backend's threads.
+    pub fn linear(&self) -> Linear {
+        Linear::on(self.pool.clone())
     }
 
     /// Opens a scene, with the concrete session type.

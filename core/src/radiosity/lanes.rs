@@ -1,0 +1,228 @@
+//! Sums of products in one fixed order, the same for scalar code, every width of register and every number of threads.
+//!
+//! **The order.** Lane l of [`LANES`] = 16 starts at 0 and adds the products of the terms j = l, l + 16, l + 32, ... in
+//! this order; each product is rounded before it is added (no fma). Then lanes are folded: l takes l + 8, then l + 4,
+//! l + 2, l + 1. [`dot_reference`] says the same in scalar code and is what [`dot`] is tested against, bit for bit.
+//!
+//! **Error.** A term passes n/16 additions in its lane and 4 in the fold, so with u = 2^-24 the error is at most
+//! (ceil(n/16) + 4) u sum |a_j x_j| to first order, against n u of a plain loop. Measured over form factors of n = 4096:
+//! about 1 u, as errors of both signs cancel: no compensation is needed.
+//!
+//! **Overflow.** A sum in which infinities of both signs meet (or a term is NaN) has no value and gives 0, so that finite
+//! input never gives NaN. A sum that overflows one way is infinite.
+
+use core::ops::{Add, Div, Mul, Sub};
+
+/// Partial sums of a dot product.
+pub const LANES: usize = 16;
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+    impl Sealed for super::Magnitude {}
+}
+
+/// What sums are formed in: f32, f64 for residuals (the operator's entries stay f32), or the magnitudes of either.
+pub trait Real:
+    sealed::Sealed
+    + Copy
+    + Default
+    + PartialOrd
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// An entry of an operator.
+    fn from_f32(x: f32) -> Self;
+    /// Without its sign.
+    fn magnitude(self) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+}
+
+macro_rules! real {
+    ($float:ty) => {
+        impl Real for $float {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            #[inline(always)]
+            fn from_f32(x: f32) -> Self {
+                x as $float
+            }
+            #[inline(always)]
+            fn magnitude(self) -> Self {
+                self.abs()
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                <$float>::is_finite(self)
+            }
+        }
+    };
+}
+
+real!(f32);
+real!(f64);
+
+/// A number in f64 that takes an operator's entries without their sign: applying an operator to such numbers applies
+/// |F|, which bounds what F can do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub struct Magnitude(pub f64);
+
+macro_rules! magnitude_op {
+    ($trait:ident, $method:ident) => {
+        impl $trait for Magnitude {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+    };
+}
+
+magnitude_op!(Add, add);
+magnitude_op!(Sub, sub);
+magnitude_op!(Mul, mul);
+magnitude_op!(Div, div);
+
+impl Real for Magnitude {
+    const ZERO: Self = Self(0.0);
+    const ONE: Self = Self(1.0);
+    #[inline(always)]
+    fn from_f32(x: f32) -> Self {
+        Self(f64::from(x.abs()))
+    }
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        Self(self.0.abs())
+    }
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        self.0.is_finite()
+    }
+}
+
+/// The value of a sum: 0 where it has none (NaN).
+#[inline(always)]
+pub fn value_or_zero<T: Real>(sum: T) -> T {
+    // Only NaN does not equal itself.
+    #[allow(clippy::eq_op, reason = "the test for NaN that every float type has")]
+    if sum == sum { sum } else { T::ZERO }
+}
+
+/// Folds the lanes: l takes l + 8, then l + 4, l + 2, l + 1.
+#[inline(always)]
+pub fn fold<T: Real>(mut lanes: [T; LANES]) -> T {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for l in 0..half {
+            lanes[l] = lanes[l] + lanes[l + half];
+        }
+        half /= 2;
+    }
+    value_or_zero(lanes[0])
+}
+
+/// sum_j a_j x_j in the module's order, over the shorter of both lengths.
+#[inline(always)]
+#[must_use]
+pub fn dot<T: Real>(a: &[f32], x: &[T]) -> T {
+    dots([a], [x])[0][0]
+}
+
+/// [`dot`] as its definition says it, a term at a time.
+#[must_use]
+pub fn dot_reference<T: Real>(a: &[f32], x: &[T]) -> T {
+    let mut lanes = [T::ZERO; LANES];
+    for (j, (a, x)) in a.iter().zip(x).enumerate() {
+        lanes[j % LANES] = lanes[j % LANES] + T::from_f32(*a) * *x;
+    }
+    fold(lanes)
+}
+
+/// The dot products of R rows with C vectors, each in the module's order, over the shortest of all lengths. Rows and
+/// vectors are read once: the lanes of all R C sums are in registers.
+#[inline(always)]
+#[must_use]
+pub fn dots<T: Real, const R: usize, const C: usize>(rows: [&[f32]; R], x: [&[T]; C]) -> [[T; C]; R] {
+    let n = rows.iter().map(|r| r.len()).chain(x.iter().map(|x| x.len())).min().unwrap_or(0);
+    let blocks = n / LANES;
+    let rows = rows.map(|r| &r[..n]);
+    let x = x.map(|x| &x[..n]);
+    let row_blocks = rows.map(|r| &r.as_chunks::<LANES>().0[..blocks]);
+    let x_blocks = x.map(|x| &x.as_chunks::<LANES>().0[..blocks]);
+    let mut lanes = [[[T::ZERO; LANES]; C]; R];
+    for b in 0..blocks {
+        for r in 0..R {
+            let a = &row_blocks[r][b];
+            for c in 0..C {
+                let x = &x_blocks[c][b];
+                for l in 0..LANES {
+                    lanes[r][c][l] = lanes[r][c][l] + T::from_f32(a[l]) * x[l];
+                }
+            }
+        }
+    }
+    for r in 0..R {
+        for c in 0..C {
+            for (l, j) in (blocks * LANES..n).enumerate() {
+                lanes[r][c][l] = lanes[r][c][l] + T::from_f32(rows[r][j]) * x[c][j];
+            }
+        }
+    }
+    lanes.map(|row| row.map(fold))
+}
+
+/// One row of the lower half of a symmetric matrix, diagonal last: gives the row's dot products with `x` (which reach to
+/// the diagonal) and adds row_j * `factor` to `columns` for every j before the diagonal.
+#[inline(always)]
+pub fn dot_and_scatter<T: Real, const C: usize>(
+    row: &[f32],
+    x: [&[T]; C],
+    factor: [T; C],
+    mut columns: [&mut [T]; C],
+) -> [T; C] {
+    let n = row.len();
+    let before = n.saturating_sub(1);
+    let x = x.map(|x| &x[..n]);
+    for c in 0..C {
+        // Lengths are proved once, so that the loops have no checks.
+        let column = core::mem::take(&mut columns[c]);
+        columns[c] = &mut column[..before];
+    }
+    let blocks = before / LANES;
+    let row_blocks = &row.as_chunks::<LANES>().0[..blocks];
+    let x_blocks = x.map(|x| &x.as_chunks::<LANES>().0[..blocks]);
+    let mut lanes = [[T::ZERO; LANES]; C];
+    for b in 0..blocks {
+        let a = &row_blocks[b];
+        for c in 0..C {
+            let x = &x_blocks[c][b];
+            let column = &mut columns[c].as_chunks_mut::<LANES>().0[b];
+            for l in 0..LANES {
+                let a = T::from_f32(a[l]);
+                lanes[c][l] = lanes[c][l] + a * x[l];
+                column[l] = column[l] + a * factor[c];
+            }
+        }
+    }
+    for c in 0..C {
+        for (l, j) in (blocks * LANES..n).enumerate() {
+            let a = T::from_f32(row[j]);
+            lanes[c][l] = lanes[c][l] + a * x[c][j];
+            if j < before {
+                columns[c][j] = columns[c][j] + a * factor[c];
+            }
+        }
+    }
+    lanes.map(fold)
+}

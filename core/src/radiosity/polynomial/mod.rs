@@ -1,0 +1,30 @@
+//! Sums of powers of a transport operator: M_k = A + A^2 + ... + A^k, where A = R F reflects at each bounce (form factors
+//! F, albedo R). M_k B0 is the indirect radiosity \[W m^-2\] of k bounces, where B0 is the radiosity after the first
+//! reflection of direct light and of emission.
+//!
+//! | wanted | form | cost |
+//! |---|---|---|
+//! | M_k as a matrix | [`Horner`] (published): M <- A + A M | k - 1 products |
+//! | | [`Doubling`]: S_2m = S_m + A^m S_m | about 2 log2 k products |
+//! | M_k B0 | [`series`]: k passes over F, three channels in each | k passes |
+//! | all bounces of B0 | [`solve`]: correction by an [`Inner`] solver until an error bound holds | about 10 passes |
+//! | all bounces as a matrix | [`infinite`], [`gather`]: blocked LU | 4/3 products |
+//!
+//! A product of n x n matrices is n^3 multiplications and as many additions. Truncation after k bounces leaves a share of
+//! about rho^k of the indirect light; the last two rows have none.
+
+mod contraction;
+mod dense;
+mod product;
+mod solve;
+mod sums;
+
+pub use contraction::{Contraction, contraction};
+pub use dense::{Lu, gather, infinite};
+pub use product::{
+    BLOCK, Element, Multiply, Packed, Portable, ROWS, Target, View, multiply_add_reference, multiply_rows,
+};
+pub use solve::{
+    ConjugateGradients, GaussSeidel, Inner, Jacobi, Residual, Settings, Solution, SolveError, solve,
+};
+pub use sums::{Doubling, Horner, PowerSum, SMALL, series, small_apply, small_series};
