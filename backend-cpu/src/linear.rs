@@ -28,6 +28,11 @@ impl Linear {
         Ok(crate::CpuBackend::new(threads)?.linear())
     }
 
+    /// Whether there is nothing to share: then the caller's own thread works, and nobody is woken.
+    fn alone(&self) -> bool {
+        self.pool.current_num_threads() <= 1
+    }
+
     pub(crate) fn on(pool: Arc<rayon::ThreadPool>) -> Self {
         Self { pool }
     }
@@ -71,8 +76,14 @@ impl Linear {
         rows: impl Fn(Target<'_, T>, &View<'_, T>, usize, &Packed<T, N>) + Sync,
     ) {
         let (stride, column) = (c.stride.max(1), c.column);
+        let packed = Packed::<T, N>::new(&b);
+        if self.alone() {
+            for (chunk, entries) in c.entries.chunks_mut(ROWS * stride).enumerate() {
+                rows(Target { entries, stride, column }, &a, chunk * ROWS, &packed);
+            }
+            return;
+        }
         self.pool.install(|| {
-            let packed = Packed::<T, N>::new(&b);
             c.entries.par_chunks_mut(ROWS * stride).enumerate().for_each(|(chunk, entries)| {
                 rows(Target { entries, stride, column }, &a, chunk * ROWS, &packed);
             });
@@ -175,20 +186,22 @@ impl<O> ParallelOperator<'_, O> {
         let stripes = n.div_ceil(STRIPE);
         let mut jobs: Vec<_> = (0..stripes)
             .map(|s| {
-                let rows: [&mut [T]; C] =
-                    std::array::from_fn(|c| rest[c].next().unwrap_or_default());
+                let rows: [&mut [T]; C] = std::array::from_fn(|c| rest[c].next().unwrap_or_default());
                 // Column sums reach to the stripe's own last row.
                 let reach = if O::COLUMNS { ((s + 1) * STRIPE).min(n) } else { 0 };
                 let columns: [Vec<T>; C] = std::array::from_fn(|_| vec![T::ZERO; reach]);
                 (rows, columns)
             })
             .collect();
-        self.linear.pool.install(|| {
-            jobs.par_iter_mut().with_max_len(1).enumerate().for_each(|(s, (rows, columns))| {
-                let rows = rows.each_mut().map(|r| &mut r[..]);
-                self.operator.wide_stripe(s, x, rows, columns.each_mut().map(|c| &mut c[..]));
-            });
-        });
+        let work = |(s, (rows, columns)): (usize, &mut ([&mut [T]; C], [Vec<T>; C]))| {
+            let rows = rows.each_mut().map(|r| &mut r[..]);
+            self.operator.wide_stripe(s, x, rows, columns.each_mut().map(|c| &mut c[..]));
+        };
+        if self.linear.alone() {
+            jobs.iter_mut().enumerate().for_each(work);
+        } else {
+            self.linear.pool.install(|| jobs.par_iter_mut().with_max_len(1).enumerate().for_each(work));
+        }
         for s in 0..stripes {
             let (earlier, later) = jobs.split_at_mut(s + 1);
             for c in 0..C {

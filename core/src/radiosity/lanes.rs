@@ -120,16 +120,33 @@ pub fn value_or_zero<T: Real>(sum: T) -> T {
 }
 
 /// Folds the lanes: l takes l + 8, then l + 4, l + 2, l + 1.
+///
+/// Never inlined: seen through, its narrowing tree makes the compiler keep the lanes of the loop before it in registers
+/// of four floats instead of eight.
+#[inline(never)]
+pub fn fold<T: Real>(s: &[T; LANES]) -> T {
+    let s: [T; 8] = core::array::from_fn(|l| s[l] + s[l + 8]);
+    let s: [T; 4] = core::array::from_fn(|l| s[l] + s[l + 4]);
+    value_or_zero((s[0] + s[2]) + (s[1] + s[3]))
+}
+
+/// One more term in every lane.
 #[inline(always)]
-pub fn fold<T: Real>(mut lanes: [T; LANES]) -> T {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for l in 0..half {
-            lanes[l] = lanes[l] + lanes[l + half];
-        }
-        half /= 2;
+fn advance<T: Real>(lanes: &mut [T; LANES], a: &[f32; LANES], x: &[T; LANES]) {
+    for l in 0..LANES {
+        lanes[l] = lanes[l] + T::from_f32(a[l]) * x[l];
     }
-    value_or_zero(lanes[0])
+}
+
+/// The last few entries, filled up with zeros. The zeros change no bit: a lane starts at +0, so it is never -0, and adding
+/// +0 to anything else leaves it.
+#[inline(always)]
+fn padded<T: Real>(rest: &[T]) -> [T; LANES] {
+    let mut full = [T::ZERO; LANES];
+    for (to, from) in full.iter_mut().zip(rest) {
+        *to = *from;
+    }
+    full
 }
 
 /// sum_j a_j x_j in the module's order, over the shorter of both lengths.
@@ -146,7 +163,7 @@ pub fn dot_reference<T: Real>(a: &[f32], x: &[T]) -> T {
     for (j, (a, x)) in a.iter().zip(x).enumerate() {
         lanes[j % LANES] = lanes[j % LANES] + T::from_f32(*a) * *x;
     }
-    fold(lanes)
+    fold(&lanes)
 }
 
 /// The dot products of R rows with C vectors, each in the module's order, over the shortest of all lengths. Rows and
@@ -163,23 +180,22 @@ pub fn dots<T: Real, const R: usize, const C: usize>(rows: [&[f32]; R], x: [&[T]
     let mut lanes = [[[T::ZERO; LANES]; C]; R];
     for b in 0..blocks {
         for r in 0..R {
-            let a = &row_blocks[r][b];
             for c in 0..C {
-                let x = &x_blocks[c][b];
-                for l in 0..LANES {
-                    lanes[r][c][l] = lanes[r][c][l] + T::from_f32(a[l]) * x[l];
-                }
+                advance(&mut lanes[r][c], &row_blocks[r][b], &x_blocks[c][b]);
             }
         }
     }
-    for r in 0..R {
-        for c in 0..C {
-            for (l, j) in (blocks * LANES..n).enumerate() {
-                lanes[r][c][l] = lanes[r][c][l] + T::from_f32(rows[r][j]) * x[c][j];
+    if blocks * LANES < n {
+        // Indices into lanes stay constants, or the compiler would keep the lanes in memory.
+        let x = x.map(|x| padded(&x[blocks * LANES..]));
+        for r in 0..R {
+            let a = padded(&rows[r][blocks * LANES..]);
+            for c in 0..C {
+                advance(&mut lanes[r][c], &a, &x[c]);
             }
         }
     }
-    lanes.map(|row| row.map(fold))
+    core::array::from_fn(|r| core::array::from_fn(|c| fold(&lanes[r][c])))
 }
 
 /// One row of the lower half of a symmetric matrix, diagonal last: gives the row's dot products with `x` (which reach to
@@ -193,36 +209,32 @@ pub fn dot_and_scatter<T: Real, const C: usize>(
 ) -> [T; C] {
     let n = row.len();
     let before = n.saturating_sub(1);
-    let x = x.map(|x| &x[..n]);
-    for c in 0..C {
-        // Lengths are proved once, so that the loops have no checks.
-        let column = core::mem::take(&mut columns[c]);
-        columns[c] = &mut column[..before];
-    }
     let blocks = before / LANES;
+    let done = blocks * LANES;
     let row_blocks = &row.as_chunks::<LANES>().0[..blocks];
     let x_blocks = x.map(|x| &x.as_chunks::<LANES>().0[..blocks]);
     let mut lanes = [[T::ZERO; LANES]; C];
-    for b in 0..blocks {
-        let a = &row_blocks[b];
-        for c in 0..C {
-            let x = &x_blocks[c][b];
-            let column = &mut columns[c].as_chunks_mut::<LANES>().0[b];
-            for l in 0..LANES {
-                let a = T::from_f32(a[l]);
-                lanes[c][l] = lanes[c][l] + a * x[l];
-                column[l] = column[l] + a * factor[c];
+    {
+        let mut column_blocks = columns.each_mut().map(|c| &mut c.as_chunks_mut::<LANES>().0[..blocks]);
+        for b in 0..blocks {
+            for c in 0..C {
+                // All is read before anything is written: the compiler cannot know that columns are apart.
+                let a: [T; LANES] = row_blocks[b].map(T::from_f32);
+                let mut sums = column_blocks[c][b];
+                advance(&mut lanes[c], &row_blocks[b], &x_blocks[c][b]);
+                for l in 0..LANES {
+                    sums[l] = sums[l] + a[l] * factor[c];
+                }
+                column_blocks[c][b] = sums;
             }
         }
     }
+    let a = padded(&row[done..]);
     for c in 0..C {
-        for (l, j) in (blocks * LANES..n).enumerate() {
-            let a = T::from_f32(row[j]);
-            lanes[c][l] = lanes[c][l] + a * x[c][j];
-            if j < before {
-                columns[c][j] = columns[c][j] + a * factor[c];
-            }
+        advance(&mut lanes[c], &a, &padded(&x[c][done..n]));
+        for (column, a) in columns[c][done..before].iter_mut().zip(&a) {
+            *column = *column + T::from_f32(*a) * factor[c];
         }
     }
-    lanes.map(fold)
+    core::array::from_fn(|c| fold(&lanes[c]))
 }

@@ -154,8 +154,7 @@ pub fn apply_stripes<O: Striped + ?Sized, T: Real, const C: usize>(
     mut y: [&mut [T]; C],
 ) {
     let n = operator.len();
-    let mut columns: [Vec<T>; C] =
-        core::array::from_fn(|_| vec![T::ZERO; if O::COLUMNS { n } else { 0 }]);
+    let mut columns: [Vec<T>; C] = core::array::from_fn(|_| vec![T::ZERO; if O::COLUMNS { n } else { 0 }]);
     for first in (0..n).step_by(STRIPE) {
         let end = (first + STRIPE).min(n);
         columns.iter_mut().for_each(|c| c.fill(T::ZERO));
@@ -484,9 +483,7 @@ impl<O: LinearOperator + ?Sized> LinearOperator for Scaled<'_, O> {
 
     fn apply_magnitudes(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
         self.operator.apply_magnitudes(x, y)?;
-        y.iter_mut()
-            .zip(self.scale)
-            .for_each(|(y, s)| *y = value_or_zero(*y * f64::from(math::abs(*s))));
+        y.iter_mut().zip(self.scale).for_each(|(y, s)| *y = value_or_zero(*y * f64::from(math::abs(*s))));
         Ok(())
     }
 }

@@ -37,7 +37,13 @@ impl Contraction {
         let worst = residual.zip(&self.weights).fold(0.0_f64, |m, (r, v)| {
             let q = r.abs() / v;
             // NaN counts as no bound at all.
-            if q <= m { m } else if q.is_nan() { f64::INFINITY } else { q }
+            if q <= m {
+                m
+            } else if q.is_nan() {
+                f64::INFINITY
+            } else {
+                q
+            }
         });
         worst * self.weights.iter().fold(0.0_f64, |m, v| m.max(*v)) / (1.0 - self.high)
     }

@@ -39,7 +39,13 @@ fn two_rows<T>(entries: &mut [T], n: usize, read: usize, write: usize) -> (&[T],
 }
 
 /// A copy of a part of a matrix, with its sign changed if asked.
-fn part<T: Element>(entries: &[T], n: usize, rows: (usize, usize), columns: (usize, usize), negate: bool) -> Vec<T> {
+fn part<T: Element>(
+    entries: &[T],
+    n: usize,
+    rows: (usize, usize),
+    columns: (usize, usize),
+    negate: bool,
+) -> Vec<T> {
     (rows.0..rows.1)
         .flat_map(|i| entries[i * n..][columns.0..columns.1].iter())
         .map(|x| if negate { T::ZERO - *x } else { *x })
@@ -113,11 +119,7 @@ impl<T: Element> Lu<T> {
         columns: usize,
     ) -> Result<(), SolveError> {
         let n = self.n;
-        check_len(
-            "x",
-            x.len(),
-            n.checked_mul(columns).ok_or(OperatorError::TooLarge { patches: columns })?,
-        )?;
+        check_len("x", x.len(), n.checked_mul(columns).ok_or(OperatorError::TooLarge { patches: columns })?)?;
         if columns == 0 {
             return Ok(());
         }
@@ -134,7 +136,12 @@ impl<T: Element> Lu<T> {
             T::multiply_add(
                 m,
                 Target { entries: &mut x[to.0 * columns..to.1 * columns], stride: columns, column: 0 },
-                View { entries: &factors, stride: from.1 - from.0, rows: to.1 - to.0, columns: from.1 - from.0 },
+                View {
+                    entries: &factors,
+                    stride: from.1 - from.0,
+                    rows: to.1 - to.0,
+                    columns: from.1 - from.0,
+                },
                 View { entries: &known, stride: columns, rows: from.1 - from.0, columns },
             );
         };

@@ -100,7 +100,8 @@ pub fn multiply_add_reference<T: Real>(c: Target<'_, T>, a: View<'_, T>, b: View
             for first in (0..a.columns).step_by(BLOCK) {
                 let mut sum = T::ZERO;
                 for k in first..(first + BLOCK).min(a.columns) {
-                    let at = |m: &View<'_, T>, i: usize, j: usize| m.row(i).get(j).copied().unwrap_or_default();
+                    let at =
+                        |m: &View<'_, T>, i: usize, j: usize| m.row(i).get(j).copied().unwrap_or_default();
                     sum = sum + at(&a, i, k) * at(&b, k, j);
                 }
                 *slot = *slot + sum;

@@ -336,9 +336,7 @@ fn check_values<const C: usize>(
     good: impl Fn(f32) -> bool,
 ) -> Result<(), SolveError> {
     match x.as_flattened().iter().position(|x| !good(*x)) {
-        Some(at) => {
-            Err(SolveError::BadValue { slice, patch: at / C, value: x.as_flattened()[at] })
-        }
+        Some(at) => Err(SolveError::BadValue { slice, patch: at / C, value: x.as_flattened()[at] }),
         None => Ok(()),
     }
 }
@@ -366,7 +364,8 @@ pub fn solve<O: LinearOperator + ?Sized, I: Inner<O>, const C: usize>(
     check_areas(areas)?;
     check_values("albedo", albedo, |x| x >= 0.0 && x.is_finite())?;
     check_values("radiosity", radiosity, f32::is_finite)?;
-    let brightest: Vec<f32> = albedo.iter().map(|rho| rho.iter().fold(0.0, |m, x| math::max(m, *x))).collect();
+    let brightest: Vec<f32> =
+        albedo.iter().map(|rho| rho.iter().fold(0.0, |m, x| math::max(m, *x))).collect();
     let contraction = contraction(&Scaled::try_new(form_factors, &brightest)?)?;
     if !contraction.proved() {
         return Err(SolveError::NotContracting { low: contraction.low, high: contraction.high });
@@ -431,12 +430,9 @@ fn bound_of<const C: usize>(
     x: &[[f64; C]],
     c: usize,
 ) -> f64 {
-    let weighted =
-        x.iter().zip(&contraction.weights).fold(0.0_f64, |m, (x, v)| m.max(x[c].abs() / v));
+    let weighted = x.iter().zip(&contraction.weights).fold(0.0_f64, |m, (x, v)| m.max(x[c].abs() / v));
     let u = (x.len() as f64 / 16.0 + 270.0) * f64::EPSILON;
-    contraction.error_bound(
-        residual.iter().zip(x).zip(&contraction.weights).map(|((r, x), v)| {
-            r[c].abs() + u * (2.0 * x[c].abs() + r[c].abs() + contraction.high * weighted * v)
-        }),
-    )
+    contraction.error_bound(residual.iter().zip(x).zip(&contraction.weights).map(|((r, x), v)| {
+        r[c].abs() + u * (2.0 * x[c].abs() + r[c].abs() + contraction.high * weighted * v)
+    }))
 }
