@@ -27,4 +27,4 @@ pub use product::{
 pub use solve::{
     ConjugateGradients, GaussSeidel, Inner, Jacobi, Residual, Settings, Solution, SolveError, solve,
 };
-pub use sums::{Doubling, Horner, PowerSum, SMALL, series, small_apply, small_series};
+pub use sums::{Doubling, Horner, PowerSum, SMALL, series, small_apply, small_apply_half, small_series};

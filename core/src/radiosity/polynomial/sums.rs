@@ -183,6 +183,26 @@ pub fn small_apply(n: usize, a: &[f32], x: [f32; SMALL]) -> [f32; SMALL] {
     y
 }
 
+/// y = A^-1 S x for at most [`SMALL`] patches, as [`SymmetricHalf`](super::super::operator::SymmetricHalf) has it in its
+/// first stripe: row i of the lower half of S starts at `half[i (i + 1) / 2]`; missing entries are 0, and so is the result
+/// of a patch whose area is not positive.
+pub fn small_apply_half(n: usize, areas: &[f32], half: &[f32], x: [f32; SMALL]) -> [f32; SMALL] {
+    let n = n.min(SMALL);
+    let (mut rows, mut columns) = ([0.0; SMALL], [0.0_f32; SMALL]);
+    for i in 0..n {
+        let from = (i * (i + 1) / 2).min(half.len());
+        let row = &half[from..(from + i + 1).min(half.len())];
+        rows[i] = dot(row, &x);
+        for (column, s) in columns.iter_mut().zip(row).take(i) {
+            *column += s * x[i];
+        }
+    }
+    core::array::from_fn(|i| {
+        let area = if i < n { areas.get(i).copied().unwrap_or(0.0) } else { 0.0 };
+        if area > 0.0 { value_or_zero((rows[i] + columns[i]) / area) } else { 0.0 }
+    })
+}
+
 /// (A + ... + A^k) b for at most [`SMALL`] patches, as [`series`] with A instead of R F; k counts up to 64.
 pub fn small_series(n: usize, a: &[f32], b: [f32; SMALL], k: u32) -> [f32; SMALL] {
     let mut x = [0.0; SMALL];
