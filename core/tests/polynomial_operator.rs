@@ -5,9 +5,7 @@
 mod support;
 
 use etendue_core::radiosity::lanes::{LANES, dot, dot_reference, dots};
-use etendue_core::radiosity::operator::{
-    Dense, LinearOperator, OperatorError, Scaled, SymmetricHalf,
-};
+use etendue_core::radiosity::operator::{Dense, LinearOperator, OperatorError, Scaled, SymmetricHalf};
 use support::{Random, closed, wide};
 
 const U: f64 = 1.0 / 16_777_216.0;
@@ -81,7 +79,8 @@ fn sums_without_a_value_are_zero() {
     assert_eq!(y[0], f32::INFINITY);
 }
 
-fn check_operator(name: &str, o: &dyn LinearOperator, f: &[f64], rows: f64) {
+/// `rows` roundings of f32 in a row's sum, `inexact` units of 2^-24 between the operator's entries and `f`.
+fn check_operator(name: &str, o: &dyn LinearOperator, f: &[f64], rows: f64, inexact: f64) {
     let n = o.len();
     let mut random = Random(n as u64);
     let planes: [Vec<f32>; 3] = [random.vector(n), random.signed(n), random.vector(n)];
@@ -106,9 +105,10 @@ fn check_operator(name: &str, o: &dyn LinearOperator, f: &[f64], rows: f64) {
             let terms = || f[i * n..][..n].iter().zip(&planes[c]).map(|(f, x)| f * f64::from(*x));
             let (truth, size): (f64, f64) = (terms().sum(), terms().map(f64::abs).sum());
             let error = (f64::from(y[i]) - truth).abs();
-            assert!(error <= rows * U * size, "{name}: {n} patches, row {i}: {error}");
-            assert!((v[i] - 1.1 * truth).abs() <= 2.0 * rows * 1.2e-16 * size, "{name}: f64 row {i}");
-            assert!((m[i] - size).abs() <= rows * 1.2e-16 * size, "{name}: magnitudes row {i}");
+            assert!(error <= (rows + inexact) * U * size, "{name}: {n} patches, row {i}: {error}");
+            let wide = (2.0 * rows * 1.2e-16 + 1.2 * inexact * U) * size;
+            assert!((v[i] - 1.1 * truth).abs() <= wide, "{name}: f64 row {i}");
+            assert!((m[i] - size).abs() <= wide, "{name}: magnitudes row {i}");
         }
     }
 }
@@ -118,18 +118,18 @@ fn operators_equal_plain_sums_in_f64() {
     for n in SIZES {
         let mut random = Random(40 + n as u64);
         let dense = Dense::try_new(n, random.signed(n * n)).unwrap();
-        check_operator("dense", &dense, &wide(&dense), n as f64 / 16.0 + 5.0);
+        check_operator("dense", &dense, &wide(&dense), n as f64 / 16.0 + 5.0, 0.0);
         // Any symmetric S, and the operator that it stands for.
         let half = random.signed(n * (n + 1) / 2);
         let areas: Vec<f32> = random.vector(n).iter().map(|x| x + 0.1).collect();
         let at = |i: usize, j: usize| f64::from(half[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)]);
         let full: Vec<f64> = (0..n * n).map(|k| at(k / n, k % n) / f64::from(areas[k / n])).collect();
         let symmetric = SymmetricHalf::try_new(areas.clone(), half.clone()).unwrap();
-        check_operator("half", &symmetric, &full, n as f64 / 16.0 + 256.0 + n as f64 / 256.0 + 6.0);
+        check_operator("half", &symmetric, &full, n as f64 / 16.0 + 256.0 + n as f64 / 256.0 + 6.0, 0.0);
         let scale = random.signed(n);
         let scaled: Vec<f64> = (0..n * n).map(|k| f64::from(scale[k / n]) * full[k]).collect();
         let operator = Scaled::try_new(&symmetric, &scale).unwrap();
-        check_operator("scaled", &operator, &scaled, n as f64 / 16.0 + 256.0 + n as f64 / 256.0 + 7.0);
+        check_operator("scaled", &operator, &scaled, n as f64 / 16.0 + 256.0 + n as f64 / 256.0 + 7.0, 0.0);
     }
 }
 
@@ -140,8 +140,8 @@ fn the_half_is_the_dense_operator_where_areas_are_reciprocal() {
         let half = SymmetricHalf::from_dense(&dense, &areas).unwrap();
         let n = dense.len();
         let f = wide(&dense);
-        // Areas and form factors are rounded one by one: a unit or two per entry.
-        check_operator("half of dense", &half, &f, n as f64 / 16.0 + 256.0 + 8.0);
+        // Areas, form factors and S are rounded one by one: up to three halves of an ulp.
+        check_operator("half of dense", &half, &f, n as f64 / 16.0 + 256.0 + 8.0, 3.0);
         for i in 0..n {
             assert_eq!(half.row(i).len(), i + 1);
         }
@@ -228,6 +228,6 @@ fn error_of_a_bounce_at_4096_patches() {
         }
     }
     println!("in 2^-24: plain, 16 lanes, half, rounded once: mean {errors:.3?}, worst {worst:.2?}");
-    assert!(errors[1] <= 1.0 && worst[1] <= 5.0);
+    assert!(errors[1] <= 1.5 && worst[1] <= 8.0);
     assert!(errors[2] <= 2.0 && worst[2] <= 10.0);
 }

@@ -215,7 +215,7 @@ pub fn dot_and_scatter<T: Real, const C: usize>(
     let x_blocks = x.map(|x| &x.as_chunks::<LANES>().0[..blocks]);
     let mut lanes = [[T::ZERO; LANES]; C];
     {
-        let mut column_blocks = columns.each_mut().map(|c| &mut c.as_chunks_mut::<LANES>().0[..blocks]);
+        let column_blocks = columns.each_mut().map(|c| &mut c.as_chunks_mut::<LANES>().0[..blocks]);
         for b in 0..blocks {
             for c in 0..C {
                 // All is read before anything is written: the compiler cannot know that columns are apart.

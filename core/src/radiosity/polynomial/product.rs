@@ -18,7 +18,7 @@ pub const BLOCK: usize = 256;
 /// A matrix within a slice: row i starts at `i * stride`.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a, T> {
-    /// From its first entry on; rows that lie beyond the slice count as zeros.
+    /// From its first entry on; rows that the slice does not hold whole count as zeros.
     pub entries: &'a [T],
     /// From row to row.
     pub stride: usize,
@@ -29,12 +29,11 @@ pub struct View<'a, T> {
 }
 
 impl<'a, T: Real> View<'a, T> {
-    /// Row i, cut where the slice ends.
+    /// Row i; empty where the slice does not hold it whole.
     #[inline(always)]
     pub fn row(&self, i: usize) -> &'a [T] {
-        let from = (i * self.stride).min(self.entries.len());
-        let to = (from + self.columns).min(self.entries.len());
-        &self.entries[from..to]
+        let from = i.saturating_mul(self.stride);
+        self.entries.get(from..from.saturating_add(self.columns)).unwrap_or(&[])
     }
 }
 
@@ -173,15 +172,19 @@ pub fn multiply_rows<T: Real, const M: usize, const N: usize>(
     let tiles = rows.div_ceil(M);
     let terms = a.columns.min(b.terms);
     let mut packed = vec![T::ZERO; tiles * M * BLOCK.min(terms)];
+    let zeros = [T::ZERO; BLOCK];
     for first in (0..terms).step_by(BLOCK) {
         let depth = BLOCK.min(terms - first);
-        // Tile after tile, term after term; rows beyond the last one keep what they had and are not written back.
-        for r in 0..rows {
-            let row = a.row(first_row + r);
-            let to = &mut packed[(r / M) * M * depth..][..M * depth];
-            let from = row.get(first..).unwrap_or(&[]);
-            for (k, slot) in to.iter_mut().skip(r % M).step_by(M).enumerate() {
-                *slot = from.get(k).copied().unwrap_or_default();
+        // Tile after tile, term after term; rows beyond the last one are zeros and are not written back.
+        for (t, to) in packed.chunks_mut(M * depth).take(tiles).enumerate() {
+            let from: [&[T]; M] = core::array::from_fn(|r| {
+                let row = if t * M + r < rows { a.row(first_row + t * M + r) } else { &[] };
+                row.get(first..first + depth).unwrap_or(&zeros[..depth])
+            });
+            for (k, to) in to.as_chunks_mut::<M>().0.iter_mut().enumerate() {
+                for r in 0..M {
+                    to[r] = from[r][k];
+                }
             }
         }
         let block = &b.entries[first * panels * N..][..depth * panels * N];
