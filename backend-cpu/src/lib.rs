@@ -15,7 +15,7 @@ use etendue_core::scene::CompiledScene;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-pub use linear::{Linear, ParallelOperator, WideStripe};
+pub use linear::{Linear, ParallelOperator, WideOperator, WideStripe};
 pub use session::CpuSession;
 
 /// Items per task of [`Backend::map`].

@@ -156,12 +156,30 @@ wide_stripes! {
     half_magnitudes: SymmetricHalf, Magnitude, 1;
 }
 
+/// [`WideStripe`] for all that a [`LinearOperator`] does.
+pub trait WideOperator:
+    WideStripe<f32, 1> + WideStripe<f32, 3> + WideStripe<f64, 1> + WideStripe<f64, 3> + WideStripe<Magnitude, 1>
+{
+}
+
+impl<O> WideOperator for O where
+    O: WideStripe<f32, 1>
+        + WideStripe<f32, 3>
+        + WideStripe<f64, 1>
+        + WideStripe<f64, 3>
+        + WideStripe<Magnitude, 1>
+{
+}
+
 /// An operator on the threads of a [`Linear`]; the bits are those of the operator itself.
 #[derive(Clone, Copy, Debug)]
 pub struct ParallelOperator<'a, O> {
     linear: &'a Linear,
     operator: &'a O,
 }
+
+/// The rows of a stripe and what it adds to columns, in planes.
+type Job<'a, T, const C: usize> = ([&'a mut [T]; C], [Vec<T>; C]);
 
 impl<O> ParallelOperator<'_, O> {
     fn check(&self, x: usize, y: usize) -> Result<(), OperatorError>
@@ -184,7 +202,7 @@ impl<O> ParallelOperator<'_, O> {
         let n = self.operator.len();
         let mut rest = y.map(|y| y.chunks_mut(STRIPE));
         let stripes = n.div_ceil(STRIPE);
-        let mut jobs: Vec<_> = (0..stripes)
+        let mut jobs: Vec<Job<'_, T, C>> = (0..stripes)
             .map(|s| {
                 let rows: [&mut [T]; C] = std::array::from_fn(|c| rest[c].next().unwrap_or_default());
                 // Column sums reach to the stripe's own last row.
@@ -193,7 +211,7 @@ impl<O> ParallelOperator<'_, O> {
                 (rows, columns)
             })
             .collect();
-        let work = |(s, (rows, columns)): (usize, &mut ([&mut [T]; C], [Vec<T>; C]))| {
+        let work = |(s, (rows, columns)): (usize, &mut Job<'_, T, C>)| {
             let rows = rows.each_mut().map(|r| &mut r[..]);
             self.operator.wide_stripe(s, x, rows, columns.each_mut().map(|c| &mut c[..]));
         };
@@ -233,14 +251,7 @@ impl<O> ParallelOperator<'_, O> {
     }
 }
 
-impl<O> LinearOperator for ParallelOperator<'_, O>
-where
-    O: WideStripe<f32, 1>
-        + WideStripe<f32, 3>
-        + WideStripe<f64, 1>
-        + WideStripe<f64, 3>
-        + WideStripe<Magnitude, 1>,
-{
+impl<O: WideOperator> LinearOperator for ParallelOperator<'_, O> {
     fn len(&self) -> usize {
         self.operator.len()
     }

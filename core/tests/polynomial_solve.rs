@@ -39,7 +39,10 @@ fn check<const C: usize>(name: &str, s: &Solution<C>, f: &Dense, albedo: &[[f32;
     }
 }
 
-fn scene(n: usize, seed: u64, low: f32, high: f32) -> (Dense, Vec<f32>, Vec<[f32; 3]>, Vec<[f32; 3]>) {
+/// Form factors, areas, albedos, B0.
+type Scene = (Dense, Vec<f32>, Vec<[f32; 3]>, Vec<[f32; 3]>);
+
+fn scene(n: usize, seed: u64, low: f32, high: f32) -> Scene {
     let (f, areas) = closed(n, seed);
     let mut random = Random(seed + 100);
     let albedo = (0..n).map(|_| [0, 1, 2].map(|_| low + (high - low) * random.unit() as f32)).collect();

@@ -198,43 +198,49 @@ pub fn dots<T: Real, const R: usize, const C: usize>(rows: [&[f32]; R], x: [&[T]
     core::array::from_fn(|r| core::array::from_fn(|c| fold(&lanes[r][c])))
 }
 
-/// One row of the lower half of a symmetric matrix, diagonal last: gives the row's dot products with `x` (which reach to
-/// the diagonal) and adds row_j * `factor` to `columns` for every j before the diagonal.
+/// R rows of the lower half of a symmetric matrix, one below the other, each with its diagonal last: gives their dot
+/// products with `x` (which reach to the diagonal) and adds row_j * factor to `columns` for every j before the diagonal,
+/// row after row. `x` and `columns` must reach as far as the last row.
+///
+/// The first row has at most 16 - R entries beyond a multiple of 16, or one more if R is 1: pairs start at even rows.
 #[inline(always)]
-pub fn dot_and_scatter<T: Real, const C: usize>(
-    row: &[f32],
+pub fn dots_and_scatter<T: Real, const R: usize, const C: usize>(
+    rows: [&[f32]; R],
     x: [&[T]; C],
-    factor: [T; C],
-    mut columns: [&mut [T]; C],
-) -> [T; C] {
-    let n = row.len();
-    let before = n.saturating_sub(1);
-    let blocks = before / LANES;
+    factors: [[T; C]; R],
+    columns: &mut [&mut [T]; C],
+) -> [[T; C]; R] {
+    let blocks = rows[0].len().saturating_sub(1) / LANES;
     let done = blocks * LANES;
-    let row_blocks = &row.as_chunks::<LANES>().0[..blocks];
+    let row_blocks = rows.map(|r| &r.as_chunks::<LANES>().0[..blocks]);
     let x_blocks = x.map(|x| &x.as_chunks::<LANES>().0[..blocks]);
-    let mut lanes = [[T::ZERO; LANES]; C];
+    let mut lanes = [[[T::ZERO; LANES]; C]; R];
     {
         let column_blocks = columns.each_mut().map(|c| &mut c.as_chunks_mut::<LANES>().0[..blocks]);
         for b in 0..blocks {
             for c in 0..C {
                 // All is read before anything is written: the compiler cannot know that columns are apart.
-                let a: [T; LANES] = row_blocks[b].map(T::from_f32);
                 let mut sums = column_blocks[c][b];
-                advance(&mut lanes[c], &row_blocks[b], &x_blocks[c][b]);
-                for l in 0..LANES {
-                    sums[l] = sums[l] + a[l] * factor[c];
+                for r in 0..R {
+                    let a: [T; LANES] = row_blocks[r][b].map(T::from_f32);
+                    advance(&mut lanes[r][c], &row_blocks[r][b], &x_blocks[c][b]);
+                    for l in 0..LANES {
+                        sums[l] = sums[l] + a[l] * factors[r][c];
+                    }
                 }
                 column_blocks[c][b] = sums;
             }
         }
     }
-    let a = padded(&row[done..]);
-    for c in 0..C {
-        advance(&mut lanes[c], &a, &padded(&x[c][done..n]));
-        for (column, a) in columns[c][done..before].iter_mut().zip(&a) {
-            *column = *column + T::from_f32(*a) * factor[c];
+    for r in 0..R {
+        let n = rows[r].len();
+        let a = padded(&rows[r][done..]);
+        for c in 0..C {
+            advance(&mut lanes[r][c], &a, &padded(&x[c][done..n]));
+            for (column, a) in columns[c][done..n.saturating_sub(1)].iter_mut().zip(&a) {
+                *column = *column + T::from_f32(*a) * factors[r][c];
+            }
         }
     }
-    core::array::from_fn(|c| fold(&lanes[c]))
+    core::array::from_fn(|r| core::array::from_fn(|c| fold(&lanes[r][c])))
 }

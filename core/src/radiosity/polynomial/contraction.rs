@@ -80,10 +80,7 @@ pub fn contraction<O: LinearOperator + ?Sized>(operator: &O) -> Result<Contracti
         let largest = next.iter().zip(&weights).fold(0.0_f64, |m, (next, v)| m.max(next + v));
         for (v, next) in weights.iter_mut().zip(&next) {
             // Stays positive: v can at most halve, and 64 halvings are far from underflow.
-            *v = (*v + next) / largest;
-            if !(*v >= f64::MIN_POSITIVE) {
-                *v = f64::MIN_POSITIVE;
-            }
+            *v = ((*v + next) / largest).max(f64::MIN_POSITIVE);
         }
     }
     Ok(Contraction { low, high, weights: best })

@@ -15,16 +15,16 @@
 
 mod contraction;
 mod dense;
+mod inner;
 mod product;
 mod solve;
 mod sums;
 
 pub use contraction::{Contraction, contraction};
 pub use dense::{Lu, gather, infinite};
+pub use inner::{ConjugateGradients, GaussSeidel, Inner, Jacobi, Residual};
 pub use product::{
     BLOCK, Element, Multiply, Packed, Portable, ROWS, Target, View, multiply_add_reference, multiply_rows,
 };
-pub use solve::{
-    ConjugateGradients, GaussSeidel, Inner, Jacobi, Residual, Settings, Solution, SolveError, solve,
-};
+pub use solve::{Settings, Solution, SolveError, solve};
 pub use sums::{Doubling, Horner, PowerSum, SMALL, series, small_apply, small_apply_half, small_series};

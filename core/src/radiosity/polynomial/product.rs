@@ -194,16 +194,14 @@ pub fn multiply_rows<T: Real, const M: usize, const N: usize>(
             let width = N.min(b.columns - panel * N);
             for t in 0..tiles {
                 let sums: [[T; N]; M] = tile(&packed[t * M * depth..][..M * depth], b_panel);
-                for r in 0..M.min(rows - t * M) {
+                for (r, sums) in sums.iter().enumerate().take(rows - t * M) {
                     let to = &mut c.entries[(t * M + r) * c.stride + from..][..width];
                     if let Ok(to) = <&mut [T; N]>::try_from(&mut *to) {
                         for l in 0..N {
-                            to[l] = to[l] + sums[r][l];
+                            to[l] = to[l] + sums[l];
                         }
                     } else {
-                        for l in 0..width {
-                            to[l] = to[l] + sums[r][l];
-                        }
+                        to.iter_mut().zip(sums).for_each(|(to, sum)| *to = *to + *sum);
                     }
                 }
             }

@@ -2,19 +2,25 @@
 
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
-use crate::figure::{Contender, Contest, Curves, Series};
+mod growth;
+#[cfg(test)]
+mod tests;
+
+use crate::figure::{Contender, Contest};
 use etendue_conformance::statistics::Random;
 use etendue_conformance::truth::empty_box::EmptyBox;
 use etendue_core::radiosity::lanes::dot_reference;
 use etendue_core::radiosity::operator::{Dense, LinearOperator, SymmetricHalf};
 use etendue_core::radiosity::polynomial::{
     ConjugateGradients, Doubling, GaussSeidel, Horner, Inner, Jacobi, Multiply, Portable, PowerSum, Settings,
-    Target, View, gather, infinite, multiply_add_reference, series, solve,
+    Target, View, infinite, multiply_add_reference, series, solve,
 };
-use etendue_cpu::Linear;
+use etendue_cpu::{Linear, WideOperator};
 use nalgebra::{DMatrix, DVector};
 use std::hint::black_box;
 use std::sync::Arc;
+
+pub use growth::curves;
 
 const RELATIVE: &str = "relative L2 error against f64";
 const NALGEBRA: &str = "nalgebra 0.35";
@@ -198,20 +204,13 @@ pub fn apply() -> Contest {
     let x: Arc<Vec<f32>> = Arc::new((0..n).map(|_| random.range(0.0, 1.0) as f32).collect());
     let truth: Vec<f64> =
         (0..n).map(|i| f.row(i).iter().zip(&*x).map(|(f, x)| f64::from(*f) * f64::from(*x)).sum()).collect();
-    fn operator<O: LinearOperator + 'static>(
+    fn operator<O: WideOperator + 'static>(
         name: &str,
         o: Arc<O>,
         x: &Arc<Vec<f32>>,
         truth: &[f64],
         threads: Option<usize>,
-    ) -> Contender
-    where
-        O: etendue_cpu::WideStripe<f32, 1>
-            + etendue_cpu::WideStripe<f32, 3>
-            + etendue_cpu::WideStripe<f64, 1>
-            + etendue_cpu::WideStripe<f64, 3>
-            + etendue_cpu::WideStripe<etendue_core::radiosity::lanes::Magnitude, 1>,
-    {
+    ) -> Contender {
         let x = x.clone();
         let mut y = vec![0.0; x.len()];
         let linear = threads.map(linear);
@@ -259,6 +258,14 @@ pub fn apply() -> Contest {
     }
 }
 
+#[derive(Clone)]
+struct Room {
+    f: Arc<Dense>,
+    areas: Arc<Vec<f32>>,
+    albedo: Arc<Vec<[f32; 3]>>,
+    b0: Arc<Vec<[f32; 3]>>,
+}
+
 /// All bounces of three channels in a box of 600 patches of which half are almost white.
 pub fn all_bounces() -> Contest {
     let (f, areas) = box_operator(10);
@@ -289,23 +296,18 @@ pub fn all_bounces() -> Contest {
     };
     let truth = lu_wide();
     let mut contenders = Vec::new();
-    fn by<I: Inner<Dense> + 'static>(
-        name: &str,
-        inner: I,
-        data: (&Arc<Dense>, &Arc<Vec<f32>>, &Arc<Vec<[f32; 3]>>, &Arc<Vec<[f32; 3]>>),
-        truth: &[f64],
-    ) -> Contender {
-        let (f, areas, albedo, b0) = (data.0.clone(), data.1.clone(), data.2.clone(), data.3.clone());
+    fn by<I: Inner<Dense> + 'static>(name: &str, inner: I, data: &Room, truth: &[f64]) -> Contender {
+        let Room { f, areas, albedo, b0 } = data.clone();
         let once = move || {
             solve(&inner, &*f, &areas, &albedo, &b0, Settings::default()).expect("a contraction").radiosity
         };
         let error = relative(once().as_flattened().iter().copied(), truth);
         ours(name, error, move || drop(black_box(once())))
     }
-    let data = (&f, &areas, &albedo, &b0);
-    contenders.push(by("conjugate gradients, portable", ConjugateGradients, data, &truth));
-    contenders.push(by("Gauss-Seidel, portable", GaussSeidel, data, &truth));
-    contenders.push(by("Jacobi, portable", Jacobi, data, &truth));
+    let data = Room { f: f.clone(), areas: areas.clone(), albedo: albedo.clone(), b0: b0.clone() };
+    contenders.push(by("conjugate gradients, portable", ConjugateGradients, &data, &truth));
+    contenders.push(by("Gauss-Seidel, portable", GaussSeidel, &data, &truth));
+    contenders.push(by("Jacobi, portable", Jacobi, &data, &truth));
     for threads in [1, 2] {
         let (f, areas, albedo, b0) = (f.clone(), areas.clone(), albedo.clone(), b0.clone());
         let linear = linear(threads);
@@ -362,153 +364,4 @@ pub fn all_bounces() -> Contest {
 /// All contests.
 pub fn contests() -> Vec<Contest> {
     vec![three_bounces(), sixteen_bounces(), all_bounces_matrix(), apply(), all_bounces()]
-}
-
-/// How the error of each form grows with the number of bounces in a closed box of 150 patches: once with the albedos of
-/// a furnished room, once with 0.999 everywhere.
-pub fn curves() -> Vec<Curves> {
-    let (f, _) = box_operator(5);
-    let n = f.len();
-    let room = albedos(n);
-    let white = vec![0.999_f32; n];
-    [
-        (&room, "Error over bounces, albedo 0.2 to 0.9, n = 150", "polynomial_growth_room"),
-        (&white, "Error over bounces, albedo 0.999, n = 150", "polynomial_growth_white"),
-    ]
-    .map(|(rho, title, file)| growth(&f, rho, title, file))
-    .into()
-}
-
-fn growth(f: &Dense, rho: &[f32], title: &'static str, file: &'static str) -> Curves {
-    let n = f.len();
-    let a = f.reflecting(rho).expect("as many albedos as patches");
-    let wide_a = wide(&a);
-    let b0: Vec<[f32; 1]> = (0..n).map(|i| [if i % 7 == 0 { 3.0 } else { 0.1 }]).collect();
-    let albedo: Vec<[f32; 1]> = rho.iter().map(|r| [*r]).collect();
-    // The same numbers for the vector: R F in f64, unrounded.
-    let reflecting = DMatrix::from_fn(n, n, |i, j| f64::from(rho[i]) * f64::from(f.row(i)[j]));
-    let wide_b = DVector::from_fn(n, |i, _| f64::from(b0[i][0]));
-    let mut series_of: Vec<Series> =
-        ["Horner", "Doubling", "k passes", "LU in f32 (k = infinity)", "LU in f64 (k = infinity)"]
-            .iter()
-            .map(|name| Series { name: (*name).into(), points: Vec::new() })
-            .collect();
-    let lu_truth = by_rows(&(DMatrix::identity(n, n) - &wide_a).lu().solve(&wide_a).expect("a contraction"));
-    let narrow = relative(
-        infinite::<f32, _>(&Portable, &a).expect("a contraction").entries().iter().copied(),
-        &lu_truth,
-    );
-    let double = relative(
-        infinite::<f64, _>(&Portable, &a).expect("a contraction").entries().iter().copied(),
-        &lu_truth,
-    );
-    for k in [1_u32, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64] {
-        let truth = by_rows(&horner_wide(&wide_a, k));
-        let x = f64::from(k);
-        let of = |m: &Dense| relative(m.entries().iter().copied(), &truth);
-        let horner = Horner.sum(&Portable, &a, k).expect("a contraction");
-        let doubling = Doubling.sum(&Portable, &a, k).expect("a contraction");
-        // At k = 1 the sum is A itself, without error: a logarithmic axis cannot show it.
-        if k > 1 {
-            series_of[0].points.push((x, of(&horner)));
-            series_of[1].points.push((x, of(&doubling)));
-        }
-        let mut t = DVector::zeros(n);
-        for _ in 0..k {
-            t = &reflecting * (&wide_b + t);
-        }
-        let got = series(f, &albedo, &b0, k).expect("lengths agree");
-        series_of[2].points.push((x, relative(got.iter().map(|x| x[0]), t.as_slice())));
-        series_of[3].points.push((x, narrow));
-        series_of[4].points.push((x, double));
-    }
-    Curves { title, file, x_label: "bounces k", y_label: RELATIVE, series: series_of }
-}
-
-/// A matrix that a test can compare with: direct radiosity to indirect irradiance.
-pub fn gather_of(f: &Dense, albedo: &[f32]) -> Dense {
-    gather::<f64, _>(&Portable, f, albedo).expect("a contraction")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::time::Instant;
-
-    /// Nanoseconds that this thread has had a processor for: what other programs take is not counted.
-    fn own_time() -> f64 {
-        let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-        text.split(' ').next().and_then(|t| t.parse().ok()).unwrap_or(f64::NAN)
-    }
-
-    #[test]
-    #[ignore = "prints times: cargo test -p etendue-benches --release --lib polynomial -- --ignored --nocapture of_a_pass"]
-    fn of_a_pass() {
-        let (f, areas) = random_operator(512, 3);
-        let half = SymmetricHalf::from_dense(&f, &areas).expect("as many areas as patches");
-        let one = linear(1);
-        let x = vec![0.5_f32; 512];
-        let x3 = vec![[0.5_f32, 0.3, 0.2]; 512];
-        let (w, w3) = (vec![0.5_f64; 512], vec![[0.5_f64, 0.3, 0.2]; 512]);
-        fn time(name: &str, mut f: impl FnMut()) {
-            let mut best = f64::INFINITY;
-            for _ in 0..60 {
-                let start = Instant::now();
-                (0..20).for_each(|_| f());
-                best = best.min(start.elapsed().as_secs_f64() * 1e9 / 20.0);
-            }
-            println!("{name:32} {:8.1} us", best * 1e-3);
-        }
-        fn all<O: LinearOperator>(name: &str, o: &O, x: &[f32], x3: &[[f32; 3]], w: &[f64], w3: &[[f64; 3]]) {
-            let mut y = vec![0.0; x.len()];
-            time(&format!("{name}, f32"), || o.apply(x, black_box(&mut y)).expect("lengths agree"));
-            let mut y = vec![[0.0; 3]; x.len()];
-            time(&format!("{name}, f32 rgb"), || o.apply_rgb(x3, black_box(&mut y)).expect("lengths agree"));
-            let mut y = vec![0.0; x.len()];
-            time(&format!("{name}, f64"), || o.apply_wide(w, black_box(&mut y)).expect("lengths agree"));
-            let mut y = vec![[0.0; 3]; x.len()];
-            time(&format!("{name}, f64 rgb"), || {
-                o.apply_wide_rgb(w3, black_box(&mut y)).expect("lengths agree")
-            });
-        }
-        all("dense, portable", &f, &x, &x3, &w, &w3);
-        all("dense, AVX2", &one.operator(&f), &x, &x3, &w, &w3);
-        all("half, portable", &half, &x, &x3, &w, &w3);
-        all("half, AVX2", &one.operator(&half), &x, &x3, &w, &w3);
-    }
-
-    #[test]
-    #[ignore = "prints times: cargo test -p etendue-benches --release --lib polynomial -- --ignored --nocapture times"]
-    fn times() {
-        for mut contest in contests() {
-            println!("{}", contest.title);
-            let count = contest.contenders.len();
-            let mut found = vec![Vec::new(); count];
-            for _ in 0..9 {
-                for (c, times) in contest.contenders.iter_mut().zip(&mut found) {
-                    let (start, own) = (Instant::now(), own_time());
-                    (c.work)();
-                    times.push((start.elapsed().as_secs_f64() * 1e3, (own_time() - own) * 1e-6));
-                }
-            }
-            for (c, times) in contest.contenders.iter().zip(&mut found) {
-                let wall = times.iter().fold(f64::INFINITY, |m, t| m.min(t.0));
-                times.sort_by(|a, b| a.1.total_cmp(&b.1));
-                let own = [times[0].1, times[4].1];
-                println!("  {:40} wall {wall:8.2} ms, own {own:8.2?} ms, error {:.2e}", c.name, c.error);
-            }
-        }
-    }
-
-    #[test]
-    #[ignore = "prints curves: cargo test -p etendue-benches --release --lib polynomial -- --ignored --nocapture error_over_bounces"]
-    fn error_over_bounces() {
-        for curves in curves() {
-            println!("{}", curves.title);
-            for s in &curves.series {
-                let points: Vec<String> = s.points.iter().map(|(x, y)| format!("{x}: {y:.2e}")).collect();
-                println!("  {}: {}", s.name, points.join(", "));
-            }
-        }
-    }
 }
