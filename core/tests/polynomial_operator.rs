@@ -5,7 +5,9 @@
 mod support;
 
 use etendue_core::radiosity::lanes::{LANES, dot, dot_reference, dots};
-use etendue_core::radiosity::operator::{Dense, LinearOperator, OperatorError, Scaled, SymmetricHalf};
+use etendue_core::radiosity::operator::{
+    Dense, LinearOperator, OperatorError, Scaled, Striped, SymmetricHalf,
+};
 use support::{Random, closed, wide};
 
 const U: f64 = 1.0 / 16_777_216.0;
@@ -171,6 +173,22 @@ fn the_half_sums_in_its_stated_order() {
             sum += column;
         }
         assert_eq!(y[j].to_bits(), (sum / areas[j]).to_bits(), "patch {j}");
+    }
+}
+
+#[test]
+fn stripes_are_total() {
+    let dense = Dense::try_new(3, vec![1.0; 9]).unwrap();
+    let half = SymmetricHalf::try_new(vec![1.0; 3], vec![1.0; 6]).unwrap();
+    for stripe in [0, 1, usize::MAX] {
+        for (x, rows, columns) in [(3, 3, 3), (2, 3, 3), (3, 9, 3), (3, 3, 1), (3, 2, 2), (0, 0, 0)] {
+            let x = vec![1.0_f32; x];
+            let (mut y, mut c) = (vec![7.0; rows], vec![0.0; columns]);
+            dense.stripe(stripe, [&x[..]], [&mut y[..]], [&mut c[..]]);
+            half.stripe(stripe, [&x[..]], [&mut y[..]], [&mut c[..]]);
+            assert!(y.get(3..).unwrap_or(&[]).iter().all(|y| *y == 7.0));
+        }
+        assert_eq!(half.finish(3, 5.0_f32), 5.0);
     }
 }
 

@@ -69,6 +69,29 @@ fn products_have_the_bits_of_the_reference() {
 }
 
 #[test]
+fn products_that_do_not_fit_are_cut() {
+    let (a, b) = (vec![1.0_f32; 12], vec![2.0_f32; 40]);
+    let a = View { entries: &a[..], stride: 4, rows: 3, columns: 4 };
+    for b in [
+        View { entries: &b[..], stride: 10, rows: 4, columns: 10 },
+        View { entries: &b[..25], stride: 10, rows: 4, columns: 10 },
+        View { entries: &b[..], stride: 10, rows: 2, columns: 10 },
+        View { entries: &b[..], stride: usize::MAX, rows: 4, columns: 7 },
+    ] {
+        for (len, stride, column) in
+            [(0, 0, 0), (30, 0, 3), (30, 10, 0), (29, 10, 0), (60, 12, 5), (9, 3, 7), (50, 10, usize::MAX)]
+        {
+            let (mut fast, mut slow) = (vec![0.5_f32; len], vec![0.5_f32; len]);
+            Portable.multiply_add(Target { entries: &mut fast, stride, column }, a, b);
+            multiply_add_reference(Target { entries: &mut slow, stride, column }, a, b);
+            if stride > 0 {
+                assert_eq!(fast, slow, "{len} {stride} {column}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_product_adds_block_sums_in_turn() {
     // 2^24 in the first block; 1 in each of the next two: each block's own sum is added, so both ones are lost; within one
     // block they would first make 2.

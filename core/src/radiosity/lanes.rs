@@ -204,7 +204,7 @@ pub fn dots<T: Real, const R: usize, const C: usize>(rows: [&[f32]; R], x: [&[T]
 ///
 /// The first row has at most 16 - R entries beyond a multiple of 16, or one more if R is 1: pairs start at even rows.
 #[inline(always)]
-pub fn dots_and_scatter<T: Real, const R: usize, const C: usize>(
+pub(crate) fn dots_and_scatter<T: Real, const R: usize, const C: usize>(
     rows: [&[f32]; R],
     x: [&[T]; C],
     factors: [[T; C]; R],

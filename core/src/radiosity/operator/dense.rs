@@ -72,8 +72,11 @@ impl Striped for Dense {
         mut rows: [&mut [T]; C],
         _columns: [&mut [T]; C],
     ) {
-        let first = stripe * STRIPE;
-        let count = rows.iter().map(|r| r.len()).min().unwrap_or(0);
+        let first = stripe.saturating_mul(STRIPE);
+        let count = rows.iter().map(|r| r.len()).min().unwrap_or(0).min(self.n.saturating_sub(first));
+        if x.iter().any(|x| x.len() < self.n) {
+            return;
+        }
         let row = |i: usize| &self.entries[(first + i) * self.n..][..self.n];
         // Two rows of one vector keep as many registers busy as one row of three.
         let pairs = if C == 1 { count / 2 } else { 0 };

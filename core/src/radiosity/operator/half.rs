@@ -81,8 +81,11 @@ impl Striped for SymmetricHalf {
         mut rows: [&mut [T]; C],
         mut columns: [&mut [T]; C],
     ) {
-        let first = stripe * STRIPE;
-        let count = rows.iter().map(|r| r.len()).min().unwrap_or(0);
+        let first = stripe.saturating_mul(STRIPE).min(self.n);
+        let count = rows.iter().map(|r| r.len()).min().unwrap_or(0).min(self.n.saturating_sub(first));
+        if x.iter().any(|x| x.len() < self.n) || columns.iter().any(|c| c.len() < first + count) {
+            return;
+        }
         let row = |i: usize| &self.half[start(first + i)..start(first + i + 1)];
         let factor = |i: usize| x.map(|x| x[first + i]);
         // Pairs read and write the columns half as often; a stripe starts at a multiple of 16.
@@ -102,7 +105,8 @@ impl Striped for SymmetricHalf {
 
     #[inline(always)]
     fn finish<T: Real>(&self, row: usize, sum: T) -> T {
-        sum / T::from_f32(self.areas[row])
+        // Beyond the last row there is nothing to divide by.
+        self.areas.get(row).map_or(sum, |area| sum / T::from_f32(*area))
     }
 }
 

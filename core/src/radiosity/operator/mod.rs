@@ -140,7 +140,8 @@ pub trait Striped: LinearOperator + Sync {
     const COLUMNS: bool;
 
     /// Row sums of a stripe and, if [`COLUMNS`](Self::COLUMNS), its column sums, *added* to `columns`, which reach from
-    /// patch 0 to at least the last row of the stripe. `rows` has one entry per row of the stripe.
+    /// patch 0 to at least the last row of the stripe. `rows` has one entry per row of the stripe. Does nothing where `x`
+    /// or `columns` is too short; rows beyond the last one keep their values.
     fn stripe<T: Real, const C: usize>(
         &self,
         stripe: usize,
@@ -159,7 +160,7 @@ pub fn to_planes<T: Real, const C: usize>(x: &[[T; C]]) -> [Vec<T>; C] {
 }
 
 /// y = F x over planes, a stripe after the other: what every schedule of the stripes must equal.
-pub fn apply_stripes<O: Striped + ?Sized, T: Real, const C: usize>(
+pub(in crate::radiosity) fn apply_stripes<O: Striped + ?Sized, T: Real, const C: usize>(
     operator: &O,
     x: [&[T]; C],
     mut y: [&mut [T]; C],

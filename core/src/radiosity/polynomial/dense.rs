@@ -10,7 +10,8 @@ use alloc::vec::Vec;
 const PANEL: usize = 64;
 
 /// P M = L U, by rows, with partial pivoting, in panels of 64 columns; the rest is updated by one product per panel. T is
-/// f32, or f64 for the host. The same bits for every [`Multiply`].
+/// f32, or f64 for the host. The same bits for every [`Multiply`]. What overflows on the way is infinite or NaN in the end,
+/// which [`infinite`] and [`gather`] refuse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lu<T> {
     n: usize,

@@ -29,10 +29,11 @@ pub struct View<'a, T> {
 }
 
 impl<'a, T: Real> View<'a, T> {
-    /// Row i; empty where the slice does not hold it whole.
+    /// Row i; empty beyond the last one and where the slice does not hold it whole.
     #[inline(always)]
     pub fn row(&self, i: usize) -> &'a [T] {
-        let from = i.saturating_mul(self.stride);
+        // Beyond the last row nothing starts.
+        let from = if i < self.rows { i.saturating_mul(self.stride) } else { usize::MAX };
         self.entries.get(from..from.saturating_add(self.columns)).unwrap_or(&[])
     }
 }
@@ -44,7 +45,8 @@ pub struct Target<'a, T> {
     pub entries: &'a mut [T],
     /// From row to row, not 0.
     pub stride: usize,
-    /// First column of the product; it and the product's columns fit in `stride`.
+    /// First column of the product; columns that do not fit in `stride` are left out, and so are rows that `entries` does
+    /// not hold whole.
     pub column: usize,
 }
 
@@ -94,8 +96,11 @@ impl Element for f64 {
 /// C <- C + A B as the order says it, an element at a time.
 pub fn multiply_add_reference<T: Real>(c: Target<'_, T>, a: View<'_, T>, b: View<'_, T>) {
     for i in 0..a.rows {
-        for j in 0..b.columns {
-            let Some(slot) = c.entries.get_mut(i * c.stride + c.column + j) else { continue };
+        if c.entries.len() < (i + 1) * c.stride {
+            break;
+        }
+        for j in 0..b.columns.min(c.stride.saturating_sub(c.column)) {
+            let slot = &mut c.entries[i * c.stride + c.column + j];
             for first in (0..a.columns).step_by(BLOCK) {
                 let mut sum = T::ZERO;
                 for k in first..(first + BLOCK).min(a.columns) {
@@ -190,8 +195,12 @@ pub fn multiply_rows<T: Real, const M: usize, const N: usize>(
         let block = &b.entries[first * panels * N..][..depth * panels * N];
         for panel in 0..panels {
             let b_panel = &block[panel * depth * N..][..depth * N];
-            let from = c.column + panel * N;
-            let width = N.min(b.columns - panel * N);
+            let from = c.column.saturating_add(panel * N);
+            // What does not fit beside the first column is left out.
+            let width = N.min(b.columns - panel * N).min(c.stride.saturating_sub(from));
+            if width == 0 {
+                break;
+            }
             for t in 0..tiles {
                 let sums: [[T; N]; M] = tile(&packed[t * M * depth..][..M * depth], b_panel);
                 for (r, sums) in sums.iter().enumerate().take(rows - t * M) {

@@ -151,7 +151,7 @@ fn check_values<const C: usize>(
 ///
 /// `areas` \[m^2\] are those of A F being symmetric (form factors that are only nearly reciprocal cost passes, not
 /// accuracy). `albedo` >= 0 per channel; it need not be below 1 as long as light dies out. `radiosity` is B0, of any sign.
-/// The error is against the exact solution for these f32 numbers. E_indirect = F B, or (B - B0) / rho where rho > 0.
+/// The error is against the exact solution for these f32 numbers; a radiosity beyond f32::MAX is given as infinite. E_indirect = F B, or (B - B0) / rho where rho > 0.
 ///
 /// # Errors
 /// [`SolveError`]; a bound that cannot be reached is an error with the bound that was.
