@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 
 /// The lower half of S = A F, which is symmetric: 2 bytes per pair of patches, and F x = A^-1 (S x).
 ///
-/// Row i of the half has i + 1 entries. Its dot product with x is in the order of [`lanes`](super::lanes); what the rows
+/// Row i of the half has i + 1 entries. Its dot product with x is in the order of [`lanes`](super::super::lanes); what the rows
 /// below add to patch i comes in the order of rows, stripe by stripe ([`Striped`]). The bits are not those of [`Dense`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricHalf {
