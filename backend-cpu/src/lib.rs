@@ -5,6 +5,7 @@
 
 pub mod log_offset;
 pub mod bc1;
+mod linear;
 mod schedule;
 mod session;
 mod simd;
@@ -16,6 +17,7 @@ use etendue_core::scene::CompiledScene;
 use rayon::prelude::*;
 use std::sync::Arc;
 
+pub use linear::{Linear, ParallelOperator, WideOperator, WideStripe};
 pub use session::CpuSession;
 
 /// Items per task of [`Backend::map`].
@@ -53,6 +55,11 @@ impl CpuBackend {
     /// Number of worker threads.
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
+    }
+
+    /// Linear algebra on this backend's threads.
+    pub fn linear(&self) -> Linear {
+        Linear::on(self.pool.clone())
     }
 
     /// Opens a scene, with the concrete session type.

@@ -143,6 +143,20 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
             ("all texels, all sets that count", "the format's own range; nearest entries")
         }
         // polynomial
+        Kernel::PolynomialDot => {
+            ("32 terms; sum of magnitudes below f32::MAX", "16 lanes and a fold, own order")
+        }
+        Kernel::PolynomialApply => {
+            ("up to 8 patches; sums of magnitudes below f32::MAX", "B = F x, C. Goral et al. 1984")
+        }
+        Kernel::PolynomialApplyHalf => (
+            "up to 8 patches of positive area; sums of magnitudes below f32::MAX",
+            "reciprocity A_i F_ij = A_j F_ji, J. H. Lambert 1760",
+        ),
+        Kernel::PolynomialSeries => (
+            "up to 8 patches and 64 bounces; sums of magnitudes below f32::MAX",
+            "C. Neumann 1877; sum of powers by nesting, W. G. Horner 1819",
+        ),
         // A kernel without an entry says nothing: the coverage test fails on it.
         _ => ("", ""),
     }

@@ -142,6 +142,14 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
             exact()
         }
         // polynomial
+        K::PolynomialDot => float("u", 6.0, "32 products and their sums, over the sum of magnitudes"),
+        K::PolynomialApply => float("u", 4.0, "8 products and their sums, over the sum of magnitudes"),
+        K::PolynomialApplyHalf => {
+            float("u", 6.0, "8 products, their sums in two parts and a quotient, over the sum of magnitudes")
+        }
+        K::PolynomialSeries => {
+            float("u", 6.0, "each bounce as polynomial::apply, over the magnitudes of all bounces before it")
+        }
         // A kernel without an entry allows nothing and says so: the coverage test fails on it.
         _ => Tolerance {
             unit: "bits",

@@ -19,6 +19,10 @@ fn constants(kernel: Kernel) -> Vec<u32> {
             (c[11], c[15]) = (4, 4);
             c
         }
+        // A patch that sees itself, area 1, three bounces.
+        Kernel::PolynomialApply => vec![1, one],
+        Kernel::PolynomialApplyHalf => vec![1, one, one],
+        Kernel::PolynomialSeries => vec![1, 3, one],
         _ => vec![one; kernel.shape().constants],
     }
 }

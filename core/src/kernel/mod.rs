@@ -234,6 +234,14 @@ kernels! {
     /// 16 texels (the lowest byte of each word), bits of those that count -> endpoints and indices (2).
     Bc4EncodeRangeFit = "bc4::encode_range_fit", exact(0, 17, 2);
     // polynomial
+    /// a (32), x (32) -> sum of a_j x_j in 16 lanes.
+    PolynomialDot = "polynomial::dot", exact(0, 64, 1);
+    /// n (up to 8), n^2 entries of A by rows | x (8) -> A x (8; 0 beyond n).
+    PolynomialApply = "polynomial::apply", table(1, 8, 8);
+    /// n (up to 8), n areas, the lower half of a symmetric S by rows | x (8) -> A^-1 S x (8; 0 beyond n).
+    PolynomialApplyHalf = "polynomial::apply_half", table(1, 8, 8);
+    /// n (up to 8), k (up to 64), n^2 entries of A by rows | b (8) -> (A + ... + A^k) b (8; 0 beyond n).
+    PolynomialSeries = "polynomial::series", table(2, 8, 8);
 }
 
 impl Kernel {

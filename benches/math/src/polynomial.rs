@@ -1,1 +1,0 @@
-//! Contenders for `polynomial`.

@@ -1,1 +1,0 @@
-//! Sums of powers of a transport operator.
