@@ -3,9 +3,9 @@
 //! The same job gives the same bits for any number of threads: chunks are fixed, each sample depends on its own
 //! indices only, and films add integers.
 
-pub mod log_offset;
 pub mod bc1;
 mod linear;
+pub mod log_offset;
 mod schedule;
 mod session;
 mod simd;
