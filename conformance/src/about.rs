@@ -18,10 +18,19 @@ pub fn about(kernel: Kernel) -> About {
 }
 
 fn words(kernel: Kernel) -> (&'static str, &'static str) {
+    use Kernel as K;
     match kernel {
         // linear_triangle
         // emission
         // subdivide
+        K::SubdividePublished => (
+            "corners of any size, irradiance in [0, 2^126]; NaN and negative count as 0",
+            "E. Kopylov, First Shot, algorithm 1",
+        ),
+        K::SubdivideRobust => (
+            "corners of any size, irradiance 0 or in [1e-30, 2^126]; NaN and negative count as 0",
+            "E. Kopylov, First Shot, algorithm 1, mended; longest-edge bisection: Rosenberg and Stenger 1975",
+        ),
         // log_offset
         // bc1
         // polynomial
