@@ -1,52 +1,59 @@
-//! Error of pieces over their number and over samples.
+//! Error of the piecewise-linear irradiance over the number of pieces and of samples: the published rule, the mended one, none.
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
 #[path = "subdivide_support.rs"]
 mod support;
 
-use etendue_core::direct::subdivide::{Limits, Published, Robust, Workspace};
-use support::{SCENES, Truth};
+use etendue_core::direct::subdivide::Workspace;
+use support::{Point, SCENES, Scene, Truth, contest};
+
+/// The least error of a method with at most so many pieces (or samples); infinite where it needs more.
+fn least(points: &[Point], most: usize, cost: fn(&Point) -> usize) -> f64 {
+    points.iter().filter(|p| cost(p) <= most).fold(f64::INFINITY, |m, p| m.min(p.error))
+}
+
+const METHODS: [&str; 4] = ["uniform", "published", "robust depth first", "robust best first"];
+
+fn curves(scene: &Scene, lattice: usize, work: &mut Workspace<f32>) -> [Vec<Point>; 4] {
+    let truth = Truth::new(scene, lattice);
+    let mut all: [Vec<Point>; 4] = Default::default();
+    for p in contest(scene, &truth, work) {
+        let i = METHODS.iter().position(|m| *m == p.method).expect("a known method");
+        all[i].push(p);
+    }
+    all
+}
 
 #[test]
-#[ignore = "table: cargo test -p etendue-core --test subdivide_error -- --ignored --nocapture"]
-fn table() {
+fn robust_takes_fewer_pieces_than_published_for_any_of_its_settings() {
     let mut work = Workspace::new();
-    let unlimited = Limits { budget: u32::MAX, ..Limits::default() };
     for scene in &SCENES {
-        let truth = Truth::new(scene, 1024);
-        println!("## {}", scene.name);
-        let row = |name: &str, (pieces, samples): (Vec<_>, u32)| {
-            let (error, wrong) = truth.error(&pieces);
-            println!("{name:34} {:6} pieces {samples:6} samples {:.5} wrong {wrong}", pieces.len(), error);
-        };
-        for level in [2, 3, 4, 5] {
-            row("uniform", scene.uniform(level, &mut work));
+        let [uniform, published, first, best] = curves(scene, 192, &mut work);
+        for n in [256, 1024] {
+            let [u, p, f, b] = [&uniform, &published, &first, &best].map(|c| least(c, n, |p| p.pieces));
+            assert!(b <= p, "{}: {n} pieces: best first {b}, published {p}", scene.name);
+            assert!(b <= u, "{}: {n} pieces: best first {b}, uniform {u}", scene.name);
+            assert!(f <= 1.6 * p, "{}: {n} pieces: depth first {f}, published {p}", scene.name);
         }
-        for size in [0.25, 0.12, 0.06, 0.03] {
-            let l = Limits { size, ..unlimited };
-            row(&format!("published tol 0 size {size}"), scene.subdivide(&Published::default(), &l, &mut work));
-        }
-        for tol in [0.1, 0.03, 0.01, 0.003] {
-            let l = Limits { size: 0.03, ..unlimited };
-            let p = Published { relative: tol, absolute: 0.0 };
-            row(&format!("published tol {tol} size 0.03"), scene.subdivide(&p, &l, &mut work));
-        }
-        for n in [16, 64, 256, 1024] {
-            row(&format!("published best first {n}"), scene.refine(&Published::default(), &unlimited, n, &mut work));
-        }
-        for tol in [0.2, 0.1, 0.05, 0.02, 0.01] {
-            let l = Limits { size: 0.03, ..unlimited };
-            let r = Robust { relative: tol, absolute: 0.0, share: 0.0 };
-            row(&format!("robust tol {tol} size 0.03"), scene.subdivide(&r, &l, &mut work));
-        }
-        let mean = truth.mean_square().sqrt() as f32;
-        for share in [0.02, 0.01, 0.003, 0.001, 0.0003] {
-            let r = Robust { relative: 0.0, absolute: 0.0, share: share * mean };
-            row(&format!("robust share {share}"), scene.subdivide(&r, &unlimited, &mut work));
-        }
-        for n in [16, 64, 256, 1024] {
-            let r = Robust { relative: 0.0, absolute: 0.0, share: 0.0 };
-            row(&format!("robust best first {n}"), scene.refine(&r, &unlimited, n, &mut work));
+    }
+}
+
+#[test]
+#[ignore = "20 s, prints tables: cargo test --release -p etendue-core --test subdivide_error -- --ignored --nocapture"]
+fn tables() {
+    let mut work = Workspace::new();
+    for (title, cost) in
+        [("pieces", (|p| p.pieces) as fn(&Point) -> usize), ("samples", |p: &Point| p.samples)]
+    {
+        println!("\nLeast relative L2 error with at most so many {title}\n");
+        println!("| scene | {title} | {} |", METHODS.join(" | "));
+        println!("|---|---:|---:|---:|---:|---:|");
+        for scene in &SCENES {
+            let all = curves(scene, 1024, &mut work);
+            for n in [64, 256, 1024] {
+                let row: Vec<String> = all.iter().map(|c| format!("{:.4}", least(c, n, cost))).collect();
+                println!("| {} | {n} | {} |", scene.name, row.join(" | "));
+            }
         }
     }
 }

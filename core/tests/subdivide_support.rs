@@ -3,7 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 #![allow(unreachable_pub, reason = "the bench crate includes this file as a module of its own")]
 
-use etendue_core::direct::subdivide::{Criterion, Limits, Node, Piece, Workspace, refine};
+use etendue_core::direct::subdivide::{Criterion, Limits, Node, Piece, Published, Robust, Workspace, refine};
 use etendue_core::math::Vec3;
 
 type V = [f64; 3];
@@ -147,6 +147,55 @@ impl Scene {
         let n = (1_u32 << level) + 1;
         (pieces, n * (n + 1) / 2)
     }
+}
+
+/// A measured subdivision.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// What made it.
+    pub method: &'static str,
+    /// Pieces.
+    pub pieces: usize,
+    /// Samples of irradiance.
+    pub samples: usize,
+    /// Root mean square error over the root mean square of irradiance.
+    pub error: f64,
+}
+
+/// All methods over all their settings, as far as 6000 pieces. The published rule as it is walked in its text, with tolerances and sizes to choose the
+/// best from; the mended one by tolerance on a piece's part in the error, and with a budget.
+pub fn contest(scene: &Scene, truth: &Truth, work: &mut Workspace<f32>) -> Vec<Point> {
+    let mut points = Vec::new();
+    let mut add = |method, (pieces, samples): (Vec<Piece<f32>>, u32)| {
+        if pieces.len() <= 6000 {
+            let (error, _) = truth.error(&pieces);
+            points.push(Point { method, pieces: pieces.len(), samples: samples as usize, error });
+        }
+    };
+    for level in 0..=6 {
+        add("uniform", scene.uniform(level, work));
+    }
+    let free = Limits { budget: 6001, ..Limits::default() };
+    for relative in [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3] {
+        for size in [0.4, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.005] {
+            let rule = Published { relative, absolute: 0.0 };
+            add("published", scene.subdivide(&rule, &Limits { size, ..free }, work));
+        }
+    }
+    let scale = truth.mean_square().sqrt();
+    for step in 0..24 {
+        let share = (scale * 0.06 * 0.75_f64.powi(step)) as f32;
+        let rule = Robust { relative: 0.0, absolute: 0.0, share };
+        // A least depth, since seven probes miss what is small.
+        let limits = Limits { least_depth: 1, ..free };
+        add("robust depth first", scene.subdivide(&rule, &limits, work));
+    }
+    for step in 4..=24 {
+        let budget = 2.0_f64.powf(f64::from(step) / 2.0).round() as usize;
+        let rule = Robust { relative: 0.0, absolute: 0.0, share: 0.0 };
+        add("robust best first", scene.refine(&rule, &free, budget, work));
+    }
+    points
 }
 
 /// Accepts everything; where it must cut, cuts in four.

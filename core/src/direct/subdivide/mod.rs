@@ -29,7 +29,7 @@ mod robust;
 mod shape;
 mod walk;
 
-use crate::math::Vec3;
+use crate::math::{self, Vec3};
 pub use bary::{Bary, GRID, WHOLE_AREA, signed_area};
 pub use best_first::{Node, refine};
 use cache::Cache;
@@ -153,8 +153,8 @@ impl<S: Irradiance> Workspace<S> {
     /// Cuts a triangle depth first and hands out its pieces, each the first in its cut's order before the next.
     ///
     /// `irradiance` gives W m^-2 at barycentric coordinates of the triangle; it must be a pure function, and is asked once per place but for
-    /// places that were pushed out of a small memory. The budget is halved (or divided by three or four) at each cut, and what one part does not
-    /// use goes to the next: no part starves, but a part late in the order can be given more than an early one. [`refine`] has no such bias.
+    /// places that were pushed out of a small memory. The budget is divided at each cut by how much irradiance differs between the corners of each
+    /// part, and what one part does not use goes to the next. [`refine`] spends a budget better.
     pub fn subdivide<C: Criterion>(
         &mut self,
         corners: [Vec3; 3],
@@ -191,11 +191,10 @@ impl<S: Irradiance> Workspace<S> {
                 Look::Done(end) => end,
                 Look::Cut { split, rest, .. } => {
                     let parts = job.pieces(&part, split, rest, &mut self.cache, &mut irradiance);
-                    let n = split.count();
-                    for (i, part) in parts[..n].iter().enumerate().rev() {
-                        // The first ones get what does not divide evenly.
-                        let more = u32::from((i as u32) < budget % n as u32);
-                        self.stack[waiting] = Waiting { part: *part, budget: budget / n as u32 + more };
+                    let parts = &parts[..split.count()];
+                    let shares = shares(parts, budget);
+                    for (part, budget) in parts.iter().zip(shares).rev() {
+                        self.stack[waiting] = Waiting { part: *part, budget };
                         waiting += 1;
                     }
                     continue;
@@ -207,6 +206,32 @@ impl<S: Irradiance> Workspace<S> {
         }
         Summary { pieces, samples: self.cache.taken }
     }
+}
+
+/// Divides a budget among the parts of a cut: one piece each, and the rest by how much irradiance differs between a part's corners, a 32nd of the
+/// differences of all being given to each, since light may hide between corners. `budget` is at least the number of parts.
+fn shares<S: Irradiance>(parts: &[Part<S>], budget: u32) -> [u32; 4] {
+    let mut spread = [0.0_f32; 4];
+    for (to, part) in spread.iter_mut().zip(parts) {
+        let [a, b, c] = part.irradiance.map(S::importance);
+        *to = math::max(a, math::max(b, c)) - math::min(a, math::min(b, c));
+    }
+    // Scaled, so that the sum is finite.
+    let largest = spread.iter().fold(0.0, |m, x| math::max(*x, m));
+    let n = parts.len();
+    let scaled = spread.map(|x| if largest > 0.0 { x / largest } else { 1.0 });
+    let total: f32 = scaled[..n].iter().sum();
+    let weight = scaled.map(|x| x + total / 32.0);
+    let all: f32 = weight[..n].iter().sum();
+    let free = budget.saturating_sub(n as u32);
+    let (mut left, mut out) = (free, [1; 4]);
+    for i in 0..n {
+        // Rounding may ask for more than there is; the last part takes what is left.
+        let wanted = if i + 1 == n { left } else { (free as f32 * (weight[i] / all)) as u32 };
+        out[i] += wanted.min(left);
+        left -= wanted.min(left);
+    }
+    out
 }
 
 fn root<S>(irradiance: [S; 3]) -> Part<S> {
