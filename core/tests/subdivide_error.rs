@@ -32,7 +32,8 @@ fn robust_takes_fewer_pieces_than_published_for_any_of_its_settings() {
         for n in [256, 1024] {
             let [u, p, f, b] = [&uniform, &published, &first, &best].map(|c| least(c, n, |p| p.pieces));
             assert!(b <= p, "{}: {n} pieces: best first {b}, published {p}", scene.name);
-            assert!(b <= u, "{}: {n} pieces: best first {b}, uniform {u}", scene.name);
+            // Where both are uniform they differ in the order of a sum.
+            assert!(b <= u * (1.0 + 1e-9), "{}: {n} pieces: best first {b}, uniform {u}", scene.name);
             assert!(f <= 1.6 * p, "{}: {n} pieces: depth first {f}, published {p}", scene.name);
         }
     }

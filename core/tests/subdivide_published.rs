@@ -69,15 +69,9 @@ fn fourth_outcome_else_an_obtuse_triangle_is_cut_in_two() {
     for at in 0..3 {
         let corner = at as u8;
         // |le - (lb + lc)/2| = 1/2 is not above |ld - lm| = 1.
-        assert_eq!(
-            split(obtuse(at), &around(at, [1.0, 1.0, 1.0, 1.5, 2.0])),
-            Some(Split::Two { corner })
-        );
+        assert_eq!(split(obtuse(at), &around(at, [1.0, 1.0, 1.0, 1.5, 2.0])), Some(Split::Two { corner }));
         // It is (2), but |ld - (la + le)/2| = 0 is not: the median is linear, by the printed weights.
-        assert_eq!(
-            split(obtuse(at), &around(at, [1.0, 1.0, 1.0, 3.0, 2.0])),
-            Some(Split::Two { corner })
-        );
+        assert_eq!(split(obtuse(at), &around(at, [1.0, 1.0, 1.0, 3.0, 2.0])), Some(Split::Two { corner }));
         let [a, b, c] = [at, (at + 1) % 3, (at + 2) % 3];
         assert_eq!(Split::Two { corner }.pieces()[..2], [[a, b, MIDPOINT + a], [a, MIDPOINT + a, c]]);
     }
@@ -87,10 +81,7 @@ fn fourth_outcome_else_an_obtuse_triangle_is_cut_in_two() {
 fn the_printed_weights_are_kept_and_are_not_those_of_a_linear_field() {
     // On each half the field is linear and E is a crease: (la + 2 le)/3 = ld exactly, so that in two would be perfect. By the
     // printed weights |ld - (la + le)/2| = |3 - 2.5| is compared with |ld - lm| = 2, and in two it is, here by luck.
-    assert_eq!(
-        split(obtuse(0), &around(0, [1.0, 1.0, 1.0, 4.0, 3.0])),
-        Some(Split::Two { corner: 0 })
-    );
+    assert_eq!(split(obtuse(0), &around(0, [1.0, 1.0, 1.0, 4.0, 3.0])), Some(Split::Two { corner: 0 }));
     // A field linear on the whole, (la + 2 le)/3 = ld: by the printed weights it looks bent along the median, and only the equal
     // centroid saves it.
     assert_eq!(split(obtuse(0), &around(0, [0.0, 3.0, 3.0, 3.0, 2.0])), None);

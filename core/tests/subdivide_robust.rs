@@ -79,9 +79,15 @@ fn uniform_light_takes_seven_samples() {
     for l in [0.0_f32, 1.0, 11_184_814.0, 1e-40, f32::MAX] {
         let mut work = Workspace::new();
         let rule = Robust { relative: 0.0, absolute: 0.0, share: 0.0 };
-        let summary = work.subdivide(RIGHT, &rule, &Limits::default(), |_| l, |p| {
-            assert_eq!((p.end, p.irradiance), (End::Linear, [l.min(LARGEST); 3]));
-        });
+        let summary = work.subdivide(
+            RIGHT,
+            &rule,
+            &Limits::default(),
+            |_| l,
+            |p| {
+                assert_eq!((p.end, p.irradiance), (End::Linear, [l.min(LARGEST); 3]));
+            },
+        );
         assert_eq!((summary.pieces, summary.samples), (1, 7));
     }
 }
@@ -110,8 +116,7 @@ fn asking_step_by_step_ends_as_knowing_everything() {
         let dark = if k % 2 == 0 { 0.4 } else { -1.0 };
         let (spread, base) = ([0.01, 0.1, 1.0][k % 3], if k % 3 == 2 { 0.0 } else { 0.5 });
         let l = [0; POINTS].map(|_| if unit() < dark { 0.0 } else { base + spread * unit() });
-        let rule =
-            Robust { relative: [0.0, 0.05][k / 2 % 2], absolute: 0.0, share: [0.0, 0.02][k / 4 % 2] };
+        let rule = Robust { relative: [0.0, 0.05][k / 2 % 2], absolute: 0.0, share: [0.0, 0.02][k / 4 % 2] };
         let mut samples = Samples::corners([l[0], l[1], l[2]]);
         let mut rounds = 0;
         let verdict = loop {
@@ -259,7 +264,10 @@ fn needles_are_shortened_and_end() {
     for (name, corners) in [
         ("sharp", [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1e-6, 0.0)]),
         ("flat", [Vec3::ZERO, Vec3::X, Vec3::new(0.5, 1e-6, 0.0)]),
-        ("far from the origin", [Vec3::new(1e3, 0.0, 0.0), Vec3::new(1e3 + 1.0, 0.0, 0.0), Vec3::new(1e3, 1e-3, 0.0)]),
+        (
+            "far from the origin",
+            [Vec3::new(1e3, 0.0, 0.0), Vec3::new(1e3 + 1.0, 0.0, 0.0), Vec3::new(1e3, 1e-3, 0.0)],
+        ),
     ] {
         let x = |b: [f32; 3]| {
             f64::from(b[0]) * f64::from(corners[0].x - corners[0].x)

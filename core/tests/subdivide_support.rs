@@ -134,8 +134,7 @@ impl Scene {
         work: &mut Workspace<f32>,
     ) -> (Vec<Piece<f32>>, u32) {
         let mut nodes = vec![Node::default(); budget];
-        let summary =
-            refine(self.vertices(), criterion, limits, work, &mut nodes, |b| self.sample(b));
+        let summary = refine(self.vertices(), criterion, limits, work, &mut nodes, |b| self.sample(b));
         let pieces = nodes[..summary.pieces as usize].iter().map(Node::piece).collect();
         (pieces, summary.samples)
     }
@@ -209,10 +208,7 @@ impl Criterion for Quarters {
     ) -> etendue_core::direct::subdivide::Verdict {
         etendue_core::direct::subdivide::Verdict::Accept
     }
-    fn demanded(
-        &self,
-        _: &etendue_core::direct::subdivide::Shape,
-    ) -> etendue_core::direct::subdivide::Split {
+    fn demanded(&self, _: &etendue_core::direct::subdivide::Shape) -> etendue_core::direct::subdivide::Split {
         etendue_core::direct::subdivide::Split::Four { corner: 0 }
     }
 }

@@ -94,6 +94,9 @@ fn named(corner: usize, pieces: &[&str]) -> Vec<u32> {
 const TWO: [&str; 2] = ["ABE", "AEC"];
 const THREE: [&str; 3] = ["ABD", "BCD", "CAD"];
 const FOUR: [&str; 4] = ["AFG", "BEF", "CGE", "FEG"];
+const FAN: [&str; 4] = ["AFE", "FBE", "AEG", "ECG"];
+/// A deviation that is not known.
+const UNKNOWN: f64 = 8.507_059_173_023_462e37;
 const ACCEPTED: [u32; 5] = [1, 0, 0, 0, 0];
 
 /// Algorithm 1 with a tolerance.
@@ -129,8 +132,8 @@ fn mean_error(d: [f64; 3], r: f64) -> f64 {
     (square + 27.0 * 27.0 * r * r * mean([2, 2, 2])).sqrt()
 }
 
-/// Few words: pieces, then error and rest with their scale.
-fn robust(t: &Triangle, tolerance: [f64; 3], fraction: f64) -> Result<(Vec<u32>, f64, f64), Tie> {
+/// The pieces, and error, rest and bend.
+fn robust(t: &Triangle, tolerance: [f64; 3], fraction: f64) -> Result<(Vec<u32>, [f64; 3]), Tie> {
     let l = &t.l;
     let within = |off: f64, brightest: f64| -> Result<bool, Tie> {
         // Nothing deviates where all is dark.
@@ -146,17 +149,19 @@ fn robust(t: &Triangle, tolerance: [f64; 3], fraction: f64) -> Result<(Vec<u32>,
         }
         Ok(!above(part, tolerance[2], part.max(tolerance[2]))?)
     };
-    // A step between a lit and a dark corner.
-    let crossed: Vec<usize> =
-        (0..3).filter(|i| (l[(i + 1) % 3] > 0.0) != (l[(i + 2) % 3] > 0.0)).collect();
+    // A leap at the middle of the longest edge, or of the longest between a lit and a dark corner.
+    let crossed: Vec<usize> = (0..3).filter(|i| (l[(i + 1) % 3] > 0.0) != (l[(i + 2) % 3] > 0.0)).collect();
+    let mut asked = vec![t.longest()?];
     if let [i, j] = crossed[..] {
         let (p, q) = (t.square(i), t.square(j));
-        let e = if p == 0.0 && q == 0.0 || above(p, q, p.max(q))? { i } else { j };
-        let step = l[(e + 1) % 3].max(l[(e + 2) % 3]);
+        asked.push(if p == 0.0 && q == 0.0 || above(p, q, p.max(q))? { i } else { j });
+    }
+    for e in asked {
+        let brightest = l[(e + 1) % 3].max(l[(e + 2) % 3]).max(l[3 + e]);
         let off = t.bend(e).abs();
         let error = 0.75 * off;
-        if above(off, 0.4 * step, step)? && !within(off, step.max(l[3 + e]))? && !small(error)? {
-            return Ok((named(t.longest()?, &TWO), error, error));
+        if above(off, 0.25 * brightest, brightest)? && !within(off, brightest)? && !small(error)? {
+            return Ok((named(t.longest()?, &TWO), [error, error, UNKNOWN]));
         }
     }
     let d = [0, 1, 2].map(|i| t.bend(i));
@@ -165,7 +170,7 @@ fn robust(t: &Triangle, tolerance: [f64; 3], fraction: f64) -> Result<(Vec<u32>,
     let r = t.lift() - 4.0 / 9.0 * (d[0] + d[1] + d[2]);
     let error = mean_error(d, r);
     if within(bend.max(t.lift().abs()), t.largest)? || small(error)? {
-        return Ok((ACCEPTED.to_vec(), 0.0, 0.0));
+        return Ok((ACCEPTED.to_vec(), [0.0; 3]));
     }
     let a = t.longest()?;
     let (b, c) = ((a + 1) % 3, (a + 2) % 3);
@@ -173,7 +178,7 @@ fn robust(t: &Triangle, tolerance: [f64; 3], fraction: f64) -> Result<(Vec<u32>,
         || above(r.abs(), 0.125 * bend, t.largest)?
         || above(bend, 0.25 * brightest, t.largest)?
     {
-        return Ok((named(a, &TWO), error, error));
+        return Ok((named(a, &TWO), [error, error, UNKNOWN]));
     }
     // D lies two thirds of the way from A to E.
     let median = (l[6] - l[a] / 3.0 - 2.0 * l[3 + a] / 3.0).abs();
@@ -184,14 +189,28 @@ fn robust(t: &Triangle, tolerance: [f64; 3], fraction: f64) -> Result<(Vec<u32>,
     }
     let s = [0, 1, 2].map(|i| t.square(i));
     let (long, short) = (s[a], s[b].min(s[c]));
-    if along || above(long, 2.5 * short, long)? || t.obtuse()?.is_some() {
-        // Second differences of the quadratic: each is minus an eighth of the second derivative along its edge, squared length
-        // included. Of the median's (e + f)/2, e and f the edges at A, they are those of e and f less those of the half of BC.
-        let median = (2.0 * d[b] + 2.0 * d[c] - d[a]) / 4.0;
-        let [p, q] = [d[b], d[c]].map(|kept| mean_error([d[a] / 4.0, kept, median], r / 2.0));
-        return Ok((named(a, &TWO), error, p.max(q)));
+    // Triangles without extent are not slim.
+    let slim = long > 0.0 && (above(long, 2.5 * short, long)? || t.obtuse()?.is_some());
+    // Second differences of the quadratic: each is minus an eighth of the second derivative along its edge, squared length
+    // included. Of the median's (e + f)/2, e and f the edges at A, they are those of e and f less those of the half of BC.
+    let median = (2.0 * d[b] + 2.0 * d[c] - d[a]) / 4.0;
+    if along || long > 0.0 && above(long, 16.0 * short, long)? {
+        let [p, q] = [d[b], d[c]].map(|kept| expected([d[a] / 4.0, kept, median], r / 2.0));
+        return Ok((named(a, &TWO), [error, p[0].max(q[0]), p[1].max(q[1])]));
     }
-    Ok((named(a, &FOUR), error, error / 4.0))
+    let off = bend.max(t.lift().abs());
+    if slim {
+        // Two of the pieces are the triangle at half the size, two have the median and halves of the others.
+        let near = expected([median, d[b] / 4.0, d[c] / 4.0], r / 4.0);
+        return Ok((named(a, &FAN), [error, near[0].max(error / 4.0), near[1].max(off / 4.0)]));
+    }
+    Ok((named(a, &FOUR), [error, error / 4.0, off / 4.0]))
+}
+
+/// Error and largest deviation at a probe.
+fn expected(d: [f64; 3], r: f64) -> [f64; 2] {
+    let centroid = 4.0 / 9.0 * (d[0] + d[1] + d[2]) + r;
+    [mean_error(d, r), d.iter().fold(centroid.abs(), |m, x| m.max(x.abs()))]
 }
 
 pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Answer {
@@ -214,11 +233,11 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
         Kernel::SubdivideRobust => {
             let tolerances = [tolerance(&mut c), tolerance(&mut c), tolerance(&mut c)];
             match robust(&t, tolerances, r.real()) {
-                Ok((w, error, rest)) => {
+                Ok((w, errors)) => {
                     let mut expected = words(w);
                     // An accepted triangle has no errors to state.
                     let scale = if expected[0] == Expect::Word(1) { 0.0 } else { t.largest };
-                    expected.extend([error, rest].map(|x| Expect::Scaled(x, scale)));
+                    expected.extend(errors.map(|x| Expect::Scaled(x, scale)));
                     Answer::Is(expected)
                 }
                 Err(Tie) => Answer::Undecided,

@@ -44,6 +44,12 @@ pub(crate) const MUTANTS: &[Mutant] = &[
         }
         again(Kernel::SubdivideRobust, constants, &blind, out);
     }),
+    ("slim triangles cut as others are", Kernel::SubdivideRobust, |_, _, out| {
+        // Of a fan the second piece ends at the midpoint opposite the first corner.
+        if out[0] == 4 && (out[2] >> 8) as usize == 3 + (out[1] & 15) as usize {
+            out[..5].copy_from_slice(&[4, 0x450, 0x531, 0x342, 0x435]);
+        }
+    }),
     ("always in four", Kernel::SubdivideRobust, |_, _, out| {
         if out[0] == 2 {
             out[..5].copy_from_slice(&[4, 0x450, 0x531, 0x342, 0x435]);
@@ -54,5 +60,8 @@ pub(crate) const MUTANTS: &[Mutant] = &[
     }),
     ("a smooth field's pieces no better than itself", Kernel::SubdivideRobust, |_, _, out| {
         out[6] = out[5];
+    }),
+    ("rough fields trusted", Kernel::SubdivideRobust, |_, _, out| {
+        out[7] = out[6];
     }),
 ];

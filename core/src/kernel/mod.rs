@@ -205,8 +205,8 @@ kernels! {
     /// points, four bits each, the first lowest (0 where there is no such piece).
     SubdividePublished = "subdivide::published", exact(2, 16, 5);
     /// relative, absolute, share tolerance | corners (3 vec3), irradiance at the seven points (7), share of the parent's area
-    /// -> how many pieces, 4 words as above, error, error expected of the worst piece (0, 0 if accepted).
-    SubdivideRobust = "subdivide::robust", exact(3, 17, 7);
+    /// -> how many pieces, 4 words as above, error, error and largest deviation expected of the worst piece (0 if accepted).
+    SubdivideRobust = "subdivide::robust", exact(3, 17, 8);
     // log_offset
     // bc1
     // polynomial

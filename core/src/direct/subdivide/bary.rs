@@ -14,7 +14,8 @@ pub struct Bary {
 
 impl Bary {
     /// The three corners of the parent.
-    pub const CORNERS: [Self; 3] = [Self { b1: 0, b2: 0 }, Self { b1: GRID, b2: 0 }, Self { b1: 0, b2: GRID }];
+    pub const CORNERS: [Self; 3] =
+        [Self { b1: 0, b2: 0 }, Self { b1: GRID, b2: 0 }, Self { b1: 0, b2: GRID }];
 
     /// The point with these second and third coordinates in grid steps; none where they leave the parent.
     #[inline]

@@ -1,8 +1,8 @@
 //! The part with the largest expected error first.
 
-use super::criterion::{Criterion, Irradiance, Split};
+use super::criterion::{Criterion, Irradiance};
 use super::shape::Frame;
-use super::walk::{Job, Look, Part};
+use super::walk::{Cut, Job, Look, Part};
 use super::{End, Limits, Piece, Summary, Workspace, whole};
 use crate::math::{self, Vec3};
 
@@ -11,7 +11,7 @@ enum State {
     /// Not looked into: its error is what the part above let expect.
     Unseen,
     /// To be cut so, when its turn comes.
-    Cut { split: Split, rest: f32 },
+    Cut(Cut),
     /// A piece.
     Done(End),
 }
@@ -44,7 +44,7 @@ impl<S: Copy> Node<S> {
     pub fn piece(&self) -> Piece<S> {
         let end = match self.state {
             State::Done(end) => end,
-            State::Unseen | State::Cut { .. } => End::Budget,
+            State::Unseen | State::Cut(_) => End::Budget,
         };
         Piece::new(self.part, end)
     }
@@ -127,19 +127,18 @@ pub fn refine<S: Irradiance, C: Criterion>(
             State::Unseen => {
                 let (state, priority) = match job.look(&top.part, cache, &mut irradiance) {
                     Look::Done(end) => (State::Done(end), DONE),
-                    Look::Cut { split, error, rest } => {
-                        (State::Cut { split, rest }, priority(error, top.part.fraction))
-                    }
+                    Look::Cut { error, cut } => (State::Cut(cut), priority(error, top.part.fraction)),
                 };
                 buffer[0] = Node { state, priority, ..top };
                 settle_root(&mut buffer[..n]);
             }
-            State::Cut { split, rest } => {
-                if n - 1 + split.count() > capacity {
+            State::Cut(cut) => {
+                let count = cut.split.count();
+                if n - 1 + count > capacity {
                     break;
                 }
-                let parts = job.pieces(&top.part, split, rest, cache, &mut irradiance);
-                for (i, part) in parts[..split.count()].iter().enumerate() {
+                let parts = job.pieces(&top.part, cut, cache, &mut irradiance);
+                for (i, part) in parts[..count].iter().enumerate() {
                     let priority = priority(part.rest, part.fraction);
                     let node = Node { part: *part, state: State::Unseen, priority, order: made };
                     made = made.wrapping_add(1);

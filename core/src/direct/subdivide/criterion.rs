@@ -198,6 +198,11 @@ pub enum Split {
         /// The corner, 0 to 2.
         corner: u8,
     },
+    /// In four: in two as above, and each half from the midpoint of the opposite edge to those of the others.
+    Fan {
+        /// The corner, 0 to 2.
+        corner: u8,
+    },
 }
 
 impl Split {
@@ -208,12 +213,12 @@ impl Split {
         match self {
             Self::Two { .. } => 2,
             Self::Three => 3,
-            Self::Four { .. } => 4,
+            Self::Four { .. } | Self::Fan { .. } => 4,
         }
     }
 
     /// The pieces' corners, as indices of the triangle's seven points, in the order of source A with A the split's corner:
-    /// ABE, AEC; or ABD, BCD, CAD; or AFG, BEF, CGE, FEG (E, F, G the midpoints of BC, AB, AC; D the centroid).
+    /// ABE, AEC; or ABD, BCD, CAD; or AFG, BEF, CGE, FEG (E, F, G the midpoints of BC, AB, AC; D the centroid); a fan is AFE, FBE, AEG, ECG.
     /// Only the first [`Split::count`] count. All run the same way around as the triangle.
     #[inline]
     #[must_use]
@@ -230,6 +235,11 @@ impl Split {
                 let (e, f, g) = (MIDPOINT + a, MIDPOINT + c, MIDPOINT + b);
                 [[a, f, g], [b, e, f], [c, g, e], [f, e, g]]
             }
+            Self::Fan { corner } => {
+                let (a, b, c) = around(corner);
+                let (e, f, g) = (MIDPOINT + a, MIDPOINT + c, MIDPOINT + b);
+                [[a, f, e], [f, b, e], [a, e, g], [e, c, g]]
+            }
         }
     }
 
@@ -240,7 +250,7 @@ impl Split {
         match self {
             Self::Two { corner } => Probes::midpoint(corner as usize),
             Self::Three => Probes::CENTROID,
-            Self::Four { .. } => Probes::MIDPOINTS,
+            Self::Four { .. } | Self::Fan { .. } => Probes::MIDPOINTS,
         }
     }
 
@@ -251,7 +261,7 @@ impl Split {
         match self {
             Self::Two { .. } => 0.5,
             Self::Three => 1.0 / 3.0,
-            Self::Four { .. } => 0.25,
+            Self::Four { .. } | Self::Fan { .. } => 0.25,
         }
     }
 }
@@ -268,8 +278,7 @@ pub enum Verdict {
     Probe(Probes),
     /// Irradiance is linear enough.
     Accept,
-    /// It is not; `error` is how far it is off, `rest` what is expected of the worst of the pieces, both as root mean square over
-    /// the area, W m^-2.
+    /// It is not.
     Cut {
         /// How.
         split: Split,
@@ -277,6 +286,9 @@ pub enum Verdict {
         error: f32,
         /// The same for the worst piece after the cut, as the samples let expect.
         rest: f32,
+        /// Largest deviation from linear at a probe of the worst piece, W m^-2, as the samples let expect; [`LARGEST`] where the field is not
+        /// smooth enough to tell.
+        bend: f32,
     },
 }
 
@@ -288,10 +300,10 @@ pub trait Criterion {
     /// The cut where limits demand one of a triangle that [`Criterion::examine`] accepts.
     fn demanded(&self, shape: &Shape) -> Split;
 
-    /// Whether a piece is accepted unseen, when its triangle let expect `rest` of it (the root mean square error, W m^-2) and the brightest
-    /// of its corners has `largest` W m^-2.
-    fn settles(&self, shape: &Shape, rest: f32, largest: f32) -> bool {
-        let _ = (shape, rest, largest);
+    /// Whether a piece is accepted unseen: its triangle let expect a root mean square error of `rest` and a largest deviation of `bend`
+    /// (W m^-2, as in [`Verdict::Cut`]), and the brightest of its corners has `largest` W m^-2.
+    fn settles(&self, shape: &Shape, rest: f32, bend: f32, largest: f32) -> bool {
+        let _ = (shape, rest, bend, largest);
         false
     }
 }

@@ -38,8 +38,8 @@ pub use criterion::{
 };
 pub use published::Published;
 pub use robust::Robust;
-pub use shape::Shape;
 use shape::Frame;
+pub use shape::Shape;
 use walk::{Job, Look, Part};
 
 /// How far a subdivision may go. Sizes are longest edges in the unit of the corners (metres).
@@ -186,12 +186,12 @@ impl<S: Irradiance> Workspace<S> {
                 job.look(&part, &mut self.cache, &mut irradiance)
             };
             let end = match look {
-                Look::Cut { split, .. } if split.count() as u32 > budget => End::Budget,
-                Look::Cut { split, .. } if waiting + split.count() > STACK => End::Depth,
+                Look::Cut { cut, .. } if cut.split.count() as u32 > budget => End::Budget,
+                Look::Cut { cut, .. } if waiting + cut.split.count() > STACK => End::Depth,
                 Look::Done(end) => end,
-                Look::Cut { split, rest, .. } => {
-                    let parts = job.pieces(&part, split, rest, &mut self.cache, &mut irradiance);
-                    let parts = &parts[..split.count()];
+                Look::Cut { cut, .. } => {
+                    let parts = job.pieces(&part, cut, &mut self.cache, &mut irradiance);
+                    let parts = &parts[..cut.split.count()];
                     let shares = shares(parts, budget);
                     for (part, budget) in parts.iter().zip(shares).rev() {
                         self.stack[waiting] = Waiting { part: *part, budget };
@@ -211,15 +211,14 @@ impl<S: Irradiance> Workspace<S> {
 /// Divides a budget among the parts of a cut: one piece each, and the rest by how much irradiance differs between a part's corners, a 32nd of the
 /// differences of all being given to each, since light may hide between corners. `budget` is at least the number of parts.
 fn shares<S: Irradiance>(parts: &[Part<S>], budget: u32) -> [u32; 4] {
-    let mut spread = [0.0_f32; 4];
-    for (to, part) in spread.iter_mut().zip(parts) {
-        let [a, b, c] = part.irradiance.map(S::importance);
-        *to = math::max(a, math::max(b, c)) - math::min(a, math::min(b, c));
+    let mut spreads = [0.0_f32; 4];
+    for (to, part) in spreads.iter_mut().zip(parts) {
+        *to = walk::spread(part.irradiance);
     }
     // Scaled, so that the sum is finite.
-    let largest = spread.iter().fold(0.0, |m, x| math::max(*x, m));
+    let largest = spreads.iter().fold(0.0, |m, x| math::max(*x, m));
     let n = parts.len();
-    let scaled = spread.map(|x| if largest > 0.0 { x / largest } else { 1.0 });
+    let scaled = spreads.map(|x| if largest > 0.0 { x / largest } else { 1.0 });
     let total: f32 = scaled[..n].iter().sum();
     let weight = scaled.map(|x| x + total / 32.0);
     let all: f32 = weight[..n].iter().sum();
@@ -240,6 +239,7 @@ fn root<S>(irradiance: [S; 3]) -> Part<S> {
         irradiance,
         fraction: 1.0,
         rest: f32::INFINITY,
+        bend: f32::INFINITY,
         depth: 0,
         rounded: false,
     }

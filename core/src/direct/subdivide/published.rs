@@ -1,6 +1,6 @@
 //! Algorithm 1 as it was published.
 
-use super::criterion::{CENTROID, Criterion, MIDPOINT, Probes, Samples, Split, Verdict};
+use super::criterion::{CENTROID, Criterion, LARGEST, MIDPOINT, Probes, Samples, Split, Verdict};
 use super::shape::Shape;
 use crate::math;
 
@@ -48,7 +48,7 @@ impl Criterion for Published {
             return Verdict::Accept;
         }
         let Some(a) = shape.obtuse_corner() else {
-            return Verdict::Cut { split: Split::Three, error: off, rest: off };
+            return Verdict::Cut { split: Split::Three, error: off, rest: off, bend: LARGEST };
         };
         if !known.has(MIDPOINT + a) {
             return Verdict::Probe(Probes::midpoint(a));
@@ -58,7 +58,7 @@ impl Criterion for Published {
         let median = (ld - (0.5 * la + 0.5 * le)).abs();
         let corner = a as u8;
         let split = if edge > off && median > off { Split::Four { corner } } else { Split::Two { corner } };
-        Verdict::Cut { split, error: off, rest: off }
+        Verdict::Cut { split, error: off, rest: off, bend: LARGEST }
     }
 
     fn demanded(&self, shape: &Shape) -> Split {

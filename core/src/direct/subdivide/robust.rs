@@ -1,15 +1,15 @@
 //! The mended rule: edge probes, a tolerance, bounded angles.
 
-use super::criterion::{CENTROID, Criterion, MIDPOINT, Probes, Samples, Split, Verdict};
+use super::criterion::{CENTROID, Criterion, LARGEST, MIDPOINT, Probes, Samples, Split, Verdict};
 use super::shape::Shape;
 use crate::math;
 
 /// Largest residual of the quadratic through six samples at the seventh, over the largest deviation, for a field that counts as smooth.
 const SMOOTH: f32 = 0.125;
-/// Root mean square error of a linear interpolation across a step, over the deviation of a midpoint, which is half the step.
-const JUMP: f32 = 0.75;
-/// Deviation of a midpoint over the step between the ends of its edge, from which it counts as a jump; 1/2 where it is one.
-const STEEP: f32 = 0.4;
+/// Deviation of a midpoint over the brightest of it and the ends of its edge, from which it counts as a leap: at the edge of a shadow it is a half.
+const LEAP: f32 = 0.25;
+/// Root mean square error of a linear interpolation across a leap, over that deviation: about 3/8 of the leap (sqrt(1/6) on a line).
+const LEAP_ERROR: f32 = 0.75;
 /// Largest deviation over the brightest sample for a field that counts as smooth.
 const GENTLE: f32 = 0.25;
 /// Share of the longest edge's deviation below which the other edges count as straight.
@@ -67,6 +67,18 @@ fn longest_crossed(shape: &Shape, samples: &Samples) -> Option<usize> {
     found
 }
 
+/// Error and largest deviation of a triangle whose midpoints deviate by `d` and whose centroid by `r` from the quadratic through the others.
+#[inline]
+fn expected(d: [f32; 3], r: f32) -> (f32, f32) {
+    let lift = (4.0 / 9.0) * ((d[0] + d[1]) + d[2]) + r;
+    (mean_error(d, r), math::max(largest_of(d), lift.abs()))
+}
+
+#[inline]
+fn worst(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
+    (math::max(a.0, b.0), math::max(a.1, b.1))
+}
+
 impl Robust {
     /// Largest deviation allowed where the largest sample is `largest`, W m^-2.
     #[inline]
@@ -86,19 +98,22 @@ impl Criterion for Robust {
         let known = samples.known();
         let a = shape.opposite_longest();
         let halves = Split::Two { corner: a as u8 };
-        // One end lit, one dark, and a midpoint that is not between: a shadow's edge runs through, and no other sample can
-        // tell more. The longest such edge is asked, which the cut needs most often.
-        if let Some(e) = longest_crossed(shape, samples) {
+        // Where one midpoint shows a leap no other sample can tell more, and a cut needs that of the longest edge in any case.
+        if !known.has(MIDPOINT + a) {
+            return Verdict::Probe(Probes::midpoint(a));
+        }
+        let crossed = longest_crossed(shape, samples);
+        for e in [Some(a), crossed].into_iter().flatten() {
             if !known.has(MIDPOINT + e) {
                 return Verdict::Probe(Probes::midpoint(e));
             }
-            // One of the ends is 0.
-            let jump = samples.get((e + 1) % 3) + samples.get((e + 2) % 3);
-            let off = (samples.get(MIDPOINT + e) - samples.linear_midpoint(e)).abs();
-            let brightest = math::max(jump, samples.get(MIDPOINT + e));
-            let error = JUMP * off;
-            if off >= STEEP * jump && off > self.tolerance(brightest) && !self.is_small(shape, error) {
-                return Verdict::Cut { split: halves, error, rest: error };
+            let (p, q) = (samples.get((e + 1) % 3), samples.get((e + 2) % 3));
+            let l = samples.get(MIDPOINT + e);
+            let off = (l - samples.linear_midpoint(e)).abs();
+            let brightest = math::max(l, math::max(p, q));
+            let error = LEAP_ERROR * off;
+            if off > LEAP * brightest && off > self.tolerance(brightest) && !self.is_small(shape, error) {
+                return Verdict::Cut { split: halves, error, rest: error, bend: LARGEST };
             }
         }
         let missing = Probes::MIDPOINTS.without(known);
@@ -122,7 +137,7 @@ impl Criterion for Robust {
             return Verdict::Accept;
         }
         if dark || r.abs() > SMOOTH * bend || bend > GENTLE * brightest {
-            return Verdict::Cut { split: halves, error, rest: error };
+            return Verdict::Cut { split: halves, error, rest: error, bend: LARGEST };
         }
         let (b, c) = ((a + 1) % 3, (a + 2) % 3);
         // The median from A to E: a field that bends along BC alone is linear on both halves, and D divides it 2:1.
@@ -131,26 +146,32 @@ impl Criterion for Robust {
         let straight = STRAIGHT * d[a].abs();
         let along = d[b].abs() <= straight && d[c].abs() <= straight && median.abs() <= straight;
         let split = if along { halves } else { self.demanded(shape) };
-        let rest = match split {
+        // Deviations of the quadratic go with the square of the edge in the metric of its second derivatives: half an edge
+        // has a quarter, and the parallelogram law gives that of the median.
+        let [half, p, q] = [a, b, c].map(|i| 0.25 * d[i]);
+        let median = 0.5 * (d[b] + d[c]) - half;
+        let (rest, bend) = match split {
             Split::Two { .. } => {
-                // Deviations go with the square of the edge in the metric of the second derivatives, so that the
-                // parallelogram law gives that of the median.
-                let new = 0.5 * (d[b] + d[c]) - 0.25 * d[a];
-                let half = 0.25 * d[a];
-                math::max(mean_error([half, d[b], new], 0.5 * r), mean_error([half, d[c], new], 0.5 * r))
+                worst(expected([half, d[b], median], 0.5 * r), expected([half, d[c], median], 0.5 * r))
             }
-            _ => 0.25 * error,
+            Split::Fan { .. } => worst((0.25 * error, 0.25 * off), expected([median, p, q], 0.25 * r)),
+            _ => (0.25 * error, 0.25 * off),
         };
-        Verdict::Cut { split, error, rest }
+        Verdict::Cut { split, error, rest, bend }
     }
 
     fn demanded(&self, shape: &Shape) -> Split {
         let corner = shape.opposite_longest() as u8;
-        let slim = shape.is_elongated() || shape.obtuse_corner().is_some();
-        if slim { Split::Two { corner } } else { Split::Four { corner } }
+        if shape.is_needle() {
+            Split::Two { corner }
+        } else if shape.is_elongated() || shape.obtuse_corner().is_some() {
+            Split::Fan { corner }
+        } else {
+            Split::Four { corner }
+        }
     }
 
-    fn settles(&self, shape: &Shape, rest: f32, largest: f32) -> bool {
-        rest <= self.tolerance(largest) || self.is_small(shape, rest)
+    fn settles(&self, shape: &Shape, rest: f32, bend: f32, largest: f32) -> bool {
+        bend <= self.tolerance(largest) || self.is_small(shape, rest)
     }
 }

@@ -89,6 +89,15 @@ impl Shape {
         long > 2.5 * short
     }
 
+    /// Whether the longest edge is more than 4 times the shortest.
+    #[inline]
+    #[must_use]
+    pub fn is_needle(&self) -> bool {
+        let [a, b, c] = self.squares;
+        let (long, short) = (math::max(a, math::max(b, c)), math::min(a, math::min(b, c)));
+        long > 16.0 * short
+    }
+
     /// Whether the triangle has no area, as far as f32 can tell: equal or collinear corners, or corners that are not finite.
     #[must_use]
     pub fn is_degenerate(&self) -> bool {

@@ -12,6 +12,8 @@ const MOST_CUTS: u8 = 48;
 
 /// Share of the expected error that a look at a part of a triangle leaves standing.
 const FADE: f32 = 0.5;
+/// Share of the expected error for a part whose corners differ by less than that error: an edge of a shadow seldom passes between them.
+const DOUBT: f32 = 0.7;
 
 /// A triangle on its way to be cut.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +24,8 @@ pub(super) struct Part<S> {
     pub(super) fraction: f32,
     /// Root mean square error that is expected; infinite where nothing is known.
     pub(super) rest: f32,
+    /// Largest deviation that is expected; infinite where nothing is known.
+    pub(super) bend: f32,
     pub(super) depth: u8,
     /// Whether a cut at a centroid lies above it, so that its corners are not where they would be without a grid.
     pub(super) rounded: bool,
@@ -32,7 +36,15 @@ pub(super) enum Look {
     /// It is a piece.
     Done(End),
     /// It is cut so; `error` as in [`Verdict::Cut`], infinite where limits demand the cut.
-    Cut { split: Split, error: f32, rest: f32 },
+    Cut { error: f32, cut: Cut },
+}
+
+/// How a part is cut, and what is expected of the worst of its parts, as in [`Verdict::Cut`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    pub(super) split: Split,
+    rest: f32,
+    bend: f32,
 }
 
 /// All that does not change while a triangle is cut.
@@ -68,7 +80,7 @@ impl<'a, C: Criterion> Job<'a, C> {
         }
         let demanded = longest > self.large || part.depth < self.limits.least_depth;
         let mut samples = Samples::corners(part.irradiance.map(S::importance));
-        if !demanded && self.criterion.settles(&shape, part.rest, samples.largest()) {
+        if !demanded && self.criterion.settles(&shape, part.rest, part.bend, samples.largest()) {
             return Look::Done(End::Settled);
         }
         let points = points(part.corners);
@@ -81,34 +93,40 @@ impl<'a, C: Criterion> Job<'a, C> {
                         samples.set(i, cache.sample(points[i], irradiance).importance());
                     }
                 }
-                Verdict::Cut { split, error, rest } => {
+                Verdict::Cut { split, error, rest, bend } => {
                     // Without the centroid the criterion has seen a part of the triangle: what was expected fades, but is not forgotten.
                     let seen = samples.known().has(CENTROID) || part.rest == f32::INFINITY;
                     let before = if seen { 0.0 } else { FADE * part.rest };
-                    return self.cut(part, split, math::max(error, before), math::max(rest, before));
+                    let cut = Cut { split, rest: math::max(rest, before), bend };
+                    return self.cut(part, cut, math::max(error, before));
                 }
                 Verdict::Probe(_) | Verdict::Accept => break,
             }
         }
         if demanded {
-            return self.cut(part, self.criterion.demanded(&shape), f32::INFINITY, f32::INFINITY);
+            let split = self.criterion.demanded(&shape);
+            return self.cut(part, Cut { split, rest: f32::INFINITY, bend: f32::INFINITY }, f32::INFINITY);
         }
         Look::Done(End::Linear)
     }
 
-    fn cut<S>(&self, part: &Part<S>, split: Split, error: f32, rest: f32) -> Look {
-        if can_cut(part.corners, split, part.rounded) { Look::Cut { split, error, rest } } else { Look::Done(End::Grid) }
+    fn cut<S>(&self, part: &Part<S>, cut: Cut, error: f32) -> Look {
+        if can_cut(part.corners, cut.split, part.rounded) {
+            Look::Cut { error, cut }
+        } else {
+            Look::Done(End::Grid)
+        }
     }
 
     /// The pieces of a cut, in its order.
     pub(super) fn pieces<S: Irradiance>(
         &self,
         part: &Part<S>,
-        split: Split,
-        rest: f32,
+        cut: Cut,
         cache: &mut Cache<S>,
         irradiance: &mut impl FnMut([f32; 3]) -> S,
     ) -> [Part<S>; 4] {
+        let Cut { split, rest, bend } = cut;
         let points = points(part.corners);
         let mut values = [S::DARK; POINTS];
         values[..3].copy_from_slice(&part.irradiance);
@@ -119,11 +137,18 @@ impl<'a, C: Criterion> Job<'a, C> {
             corners: piece.map(|i| points[i]),
             irradiance: piece.map(|i| values[i]),
             fraction: part.fraction * split.share(),
-            rest,
+            rest: if spread(piece.map(|i| values[i])) >= rest { rest } else { DOUBT * rest },
+            bend,
             depth: part.depth + 1,
             rounded: part.rounded || split == Split::Three,
         })
     }
+}
+
+/// The largest difference of importance between the corners of a part.
+pub(super) fn spread<S: Irradiance>(irradiance: [S; 3]) -> f32 {
+    let [a, b, c] = irradiance.map(S::importance);
+    math::max(a, math::max(b, c)) - math::min(a, math::min(b, c))
 }
 
 /// The seven points of a triangle.

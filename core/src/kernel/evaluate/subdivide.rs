@@ -18,10 +18,9 @@ pub(super) fn one(kernel: Kernel, shared: &Shared<'_>, mut r: Reader<'_>, w: &mu
             let criterion = Robust { relative, absolute, share: c.float() };
             let verdict = criterion.examine(&Shape::new(corners, r.float()), &samples);
             write(verdict, w);
-            if let Verdict::Cut { error, rest, .. } = verdict {
-                w.floats([error, rest]);
-            } else {
-                w.floats([0.0, 0.0]);
+            // An accepted triangle has no errors to state: zeros.
+            if let Verdict::Cut { error, rest, bend, .. } = verdict {
+                w.floats([error, rest, bend]);
             }
         }
         _ => {}
