@@ -27,7 +27,7 @@ fn around(at: usize, [la, lb, lc, le, ld]: [f32; 5]) -> Samples {
 }
 
 fn split(corners: [Vec3; 3], samples: &Samples) -> Option<Split> {
-    match Published::default().examine(&Shape::new(corners, 1.0), samples) {
+    match Published::default().examine(&Shape::new(corners, 1.0), samples, 0.0) {
         Verdict::Cut { split, .. } => Some(split),
         Verdict::Accept => None,
         Verdict::Probe(p) => panic!("asks for {p:?}, which it has"),
@@ -97,7 +97,11 @@ fn uniform_light_is_accepted_to_the_letter() {
         let l = f32::from_bits(bits);
         differ += u32::from(!naive(l));
         let samples = Samples::all([l; 7]);
-        assert_eq!(Published::default().examine(&Shape::new(ACUTE, 1.0), &samples), Verdict::Accept, "{l}");
+        assert_eq!(
+            Published::default().examine(&Shape::new(ACUTE, 1.0), &samples, 0.0),
+            Verdict::Accept,
+            "{l}"
+        );
         bits += 14_983;
     }
     assert!(differ > 1000 && !naive(11_184_814.0), "{differ}");
@@ -112,16 +116,16 @@ fn samples_are_asked_for_only_when_the_text_does() {
         let shape = Shape::new(corners, 1.0);
         let mut samples = Samples::corners([1.0; 3]);
         let rule = Published::default();
-        assert_eq!(rule.examine(&shape, &samples), Verdict::Probe(first));
+        assert_eq!(rule.examine(&shape, &samples, 0.0), Verdict::Probe(first));
         samples.set(CENTROID, l([1.0 / 3.0; 3]));
         match second {
             Some(p) => {
-                assert_eq!(rule.examine(&shape, &samples), Verdict::Probe(p));
+                assert_eq!(rule.examine(&shape, &samples, 0.0), Verdict::Probe(p));
                 samples.set(MIDPOINT + 1, 2.0);
             }
-            None => assert!(matches!(rule.examine(&shape, &samples), Verdict::Cut { .. })),
+            None => assert!(matches!(rule.examine(&shape, &samples, 0.0), Verdict::Cut { .. })),
         }
-        assert!(matches!(rule.examine(&shape, &samples), Verdict::Cut { .. }));
+        assert!(matches!(rule.examine(&shape, &samples, 0.0), Verdict::Cut { .. }));
     }
     // Below the size nothing is asked at all but the corners.
     let limits = Limits { size: 100.0, ..Limits::default() };
@@ -192,10 +196,10 @@ fn a_tolerance_is_relative_to_the_largest_of_the_four() {
     let shape = Shape::new(ACUTE, 1.0);
     let samples = |ld: f32| Samples::all([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, ld]);
     let rule = Published { relative: 0.25, absolute: 0.0 };
-    assert_eq!(rule.examine(&shape, &samples(1.25)), Verdict::Accept);
-    assert_eq!(rule.examine(&shape, &samples(0.75)), Verdict::Accept);
-    assert!(matches!(rule.examine(&shape, &samples(1.5)), Verdict::Cut { .. }));
+    assert_eq!(rule.examine(&shape, &samples(1.25), 0.0), Verdict::Accept);
+    assert_eq!(rule.examine(&shape, &samples(0.75), 0.0), Verdict::Accept);
+    assert!(matches!(rule.examine(&shape, &samples(1.5), 0.0), Verdict::Cut { .. }));
     let rule = Published { relative: f32::NAN, absolute: 0.5 };
-    assert_eq!(rule.examine(&shape, &samples(1.5)), Verdict::Accept);
-    assert!(matches!(rule.examine(&shape, &samples(1.75)), Verdict::Cut { .. }));
+    assert_eq!(rule.examine(&shape, &samples(1.5), 0.0), Verdict::Accept);
+    assert!(matches!(rule.examine(&shape, &samples(1.75), 0.0), Verdict::Cut { .. }));
 }

@@ -205,6 +205,7 @@ impl Criterion for Quarters {
         &self,
         _: &etendue_core::direct::subdivide::Shape,
         _: &etendue_core::direct::subdivide::Samples,
+        _: f32,
     ) -> etendue_core::direct::subdivide::Verdict {
         etendue_core::direct::subdivide::Verdict::Accept
     }

@@ -203,8 +203,8 @@ proptest! {
 struct Always<C>(C);
 
 impl<C: Criterion> Criterion for Always<C> {
-    fn examine(&self, shape: &Shape, samples: &Samples) -> Verdict {
-        match self.0.examine(shape, samples) {
+    fn examine(&self, shape: &Shape, samples: &Samples, rest: f32) -> Verdict {
+        match self.0.examine(shape, samples, rest) {
             Verdict::Accept => {
                 Verdict::Cut { split: self.0.demanded(shape), error: 1.0, rest: 1.0, bend: f32::INFINITY }
             }

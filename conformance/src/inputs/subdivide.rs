@@ -114,7 +114,11 @@ pub(super) fn inputs(kernel: Kernel, count: usize, r: &mut Random) -> Vec<Batch>
                 put(&mut batch.items, &c);
                 put(&mut batch.items, &s);
                 if share {
-                    put(&mut batch.items, &[2.0_f64.powi(-(r.below(12) as i32)) as f32]);
+                    let fraction = 2.0_f64.powi(-(r.below(12) as i32)) as f32;
+                    // Nothing expected, about as much as there is, anything.
+                    let brightest = s.iter().fold(0.0_f32, |m, x| m.max(*x)).min(1e37);
+                    let rest = [0.0, 0.0, 0.4 * brightest, 1e30][r.below(4) as usize];
+                    put(&mut batch.items, &[fraction, rest]);
                 }
             }
             batch

@@ -133,7 +133,7 @@ fn mean_error(d: [f64; 3], r: f64) -> f64 {
 }
 
 /// The pieces, and error, rest and bend.
-fn robust(t: &Triangle, tolerance: [f64; 3], fraction: f64) -> Result<(Vec<u32>, [f64; 3]), Tie> {
+fn robust(t: &Triangle, tolerance: [f64; 3], fraction: f64, rest: f64) -> Result<(Vec<u32>, [f64; 3]), Tie> {
     let l = &t.l;
     let within = |off: f64, brightest: f64| -> Result<bool, Tie> {
         // Nothing deviates where all is dark.
@@ -160,7 +160,9 @@ fn robust(t: &Triangle, tolerance: [f64; 3], fraction: f64) -> Result<(Vec<u32>,
         let brightest = l[(e + 1) % 3].max(l[(e + 2) % 3]).max(l[3 + e]);
         let off = t.bend(e).abs();
         let error = 0.75 * off;
-        if above(off, 0.25 * brightest, brightest)? && !within(off, brightest)? && !small(error)? {
+        // Half of what is expected, or everything is looked at.
+        let enough = error == 0.0 && rest == 0.0 || above(error, rest / 2.0, brightest.max(rest))?;
+        if above(off, 0.25 * brightest, brightest)? && enough && !within(off, brightest)? && !small(error)? {
             return Ok((named(t.longest()?, &TWO), [error, error, UNKNOWN]));
         }
     }
@@ -232,7 +234,7 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
         },
         Kernel::SubdivideRobust => {
             let tolerances = [tolerance(&mut c), tolerance(&mut c), tolerance(&mut c)];
-            match robust(&t, tolerances, r.real()) {
+            match robust(&t, tolerances, r.real(), r.real()) {
                 Ok((w, errors)) => {
                     let mut expected = words(w);
                     // An accepted triangle has no errors to state.

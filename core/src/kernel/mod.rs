@@ -204,9 +204,9 @@ kernels! {
     /// centroid (7) -> how many pieces (1: accepted), then 4 words, each a piece's three corners as indices of the seven
     /// points, four bits each, the first lowest (0 where there is no such piece).
     SubdividePublished = "subdivide::published", exact(2, 16, 5);
-    /// relative, absolute, share tolerance | corners (3 vec3), irradiance at the seven points (7), share of the parent's area
+    /// relative, absolute, share tolerance | corners (3 vec3), irradiance at the seven points (7), share of the parent's area, expected error
     /// -> how many pieces, 4 words as above, error, error and largest deviation expected of the worst piece (0 if accepted).
-    SubdivideRobust = "subdivide::robust", exact(3, 17, 8);
+    SubdivideRobust = "subdivide::robust", exact(3, 18, 8);
     // log_offset
     // bc1
     // polynomial

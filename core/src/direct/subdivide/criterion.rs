@@ -294,8 +294,9 @@ pub enum Verdict {
 
 /// When a lit triangle is cut, and how: a pure function of its shape and of samples.
 pub trait Criterion {
-    /// Says what to do. With all seven points known it never asks for more; the driver takes a repeated question for [`Verdict::Accept`].
-    fn examine(&self, shape: &Shape, samples: &Samples) -> Verdict;
+    /// Says what to do. `rest` is the error that the triangle above let expect of this one (as in [`Verdict::Cut`]), infinite where
+    /// nothing is known. With all seven points known it never asks for more; the driver takes a repeated question for [`Verdict::Accept`].
+    fn examine(&self, shape: &Shape, samples: &Samples, rest: f32) -> Verdict;
 
     /// The cut where limits demand one of a triangle that [`Criterion::examine`] accepts.
     fn demanded(&self, shape: &Shape) -> Split;

@@ -35,7 +35,7 @@ pub struct Published {
 }
 
 impl Criterion for Published {
-    fn examine(&self, shape: &Shape, samples: &Samples) -> Verdict {
+    fn examine(&self, shape: &Shape, samples: &Samples, _rest: f32) -> Verdict {
         let known = samples.known();
         if !known.has(CENTROID) {
             return Verdict::Probe(Probes::CENTROID);

@@ -10,6 +10,8 @@ const SMOOTH: f32 = 0.125;
 const LEAP: f32 = 0.25;
 /// Root mean square error of a linear interpolation across a leap, over that deviation: about 3/8 of the leap (sqrt(1/6) on a line).
 const LEAP_ERROR: f32 = 0.75;
+/// Share of the expected error that a leap must have for no other sample to be taken.
+const ENOUGH: f32 = 0.5;
 /// Largest deviation over the brightest sample for a field that counts as smooth.
 const GENTLE: f32 = 0.25;
 /// Share of the longest edge's deviation below which the other edges count as straight.
@@ -94,7 +96,7 @@ impl Robust {
 }
 
 impl Criterion for Robust {
-    fn examine(&self, shape: &Shape, samples: &Samples) -> Verdict {
+    fn examine(&self, shape: &Shape, samples: &Samples, rest: f32) -> Verdict {
         let known = samples.known();
         let a = shape.opposite_longest();
         let halves = Split::Two { corner: a as u8 };
@@ -112,7 +114,9 @@ impl Criterion for Robust {
             let off = (l - samples.linear_midpoint(e)).abs();
             let brightest = math::max(l, math::max(p, q));
             let error = LEAP_ERROR * off;
-            if off > LEAP * brightest && off > self.tolerance(brightest) && !self.is_small(shape, error) {
+            // A leap much smaller than what is expected is not what was expected: look at everything then.
+            let leap = off > LEAP * brightest && error >= ENOUGH * rest;
+            if leap && off > self.tolerance(brightest) && !self.is_small(shape, error) {
                 return Verdict::Cut { split: halves, error, rest: error, bend: LARGEST };
             }
         }
@@ -150,14 +154,14 @@ impl Criterion for Robust {
         // has a quarter, and the parallelogram law gives that of the median.
         let [half, p, q] = [a, b, c].map(|i| 0.25 * d[i]);
         let median = 0.5 * (d[b] + d[c]) - half;
-        let (rest, bend) = match split {
+        let (next, bend) = match split {
             Split::Two { .. } => {
                 worst(expected([half, d[b], median], 0.5 * r), expected([half, d[c], median], 0.5 * r))
             }
             Split::Fan { .. } => worst((0.25 * error, 0.25 * off), expected([median, p, q], 0.25 * r)),
             _ => (0.25 * error, 0.25 * off),
         };
-        Verdict::Cut { split, error, rest, bend }
+        Verdict::Cut { split, error, rest: next, bend }
     }
 
     fn demanded(&self, shape: &Shape) -> Split {

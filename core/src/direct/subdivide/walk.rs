@@ -2,7 +2,7 @@
 
 use super::bary::{Bary, signed_area};
 use super::cache::Cache;
-use super::criterion::{CENTROID, Criterion, Irradiance, MIDPOINT, POINTS, Samples, Split, Verdict};
+use super::criterion::{Criterion, Irradiance, MIDPOINT, POINTS, Samples, Split, Verdict};
 use super::shape::Frame;
 use super::{End, Limits};
 use crate::math;
@@ -10,8 +10,6 @@ use crate::math;
 /// Most cuts above a piece: halving 2^48 units of area so often leaves one.
 const MOST_CUTS: u8 = 48;
 
-/// Share of the expected error that a look at a part of a triangle leaves standing.
-const FADE: f32 = 0.5;
 /// Share of the expected error for a part whose corners differ by less than that error: an edge of a shadow seldom passes between them.
 const DOUBT: f32 = 0.7;
 
@@ -86,7 +84,7 @@ impl<'a, C: Criterion> Job<'a, C> {
         let points = points(part.corners);
         // Every round adds a point, so that seven rounds are enough for any criterion.
         for _ in 0..POINTS {
-            match self.criterion.examine(&shape, &samples) {
+            match self.criterion.examine(&shape, &samples, part.rest) {
                 Verdict::Probe(wanted) if !wanted.without(samples.known()).is_empty() => {
                     let wanted = wanted.without(samples.known());
                     for i in (0..POINTS).filter(|i| wanted.has(*i)) {
@@ -94,11 +92,7 @@ impl<'a, C: Criterion> Job<'a, C> {
                     }
                 }
                 Verdict::Cut { split, error, rest, bend } => {
-                    // Without the centroid the criterion has seen a part of the triangle: what was expected fades, but is not forgotten.
-                    let seen = samples.known().has(CENTROID) || part.rest == f32::INFINITY;
-                    let before = if seen { 0.0 } else { FADE * part.rest };
-                    let cut = Cut { split, rest: math::max(rest, before), bend };
-                    return self.cut(part, cut, math::max(error, before));
+                    return self.cut(part, Cut { split, rest, bend }, error);
                 }
                 Verdict::Probe(_) | Verdict::Accept => break,
             }

@@ -12,11 +12,11 @@ pub(super) fn one(kernel: Kernel, shared: &Shared<'_>, mut r: Reader<'_>, w: &mu
     match kernel {
         Kernel::SubdividePublished => {
             let criterion = Published { relative, absolute };
-            write(criterion.examine(&Shape::new(corners, 1.0), &samples), w);
+            write(criterion.examine(&Shape::new(corners, 1.0), &samples, 0.0), w);
         }
         Kernel::SubdivideRobust => {
             let criterion = Robust { relative, absolute, share: c.float() };
-            let verdict = criterion.examine(&Shape::new(corners, r.float()), &samples);
+            let verdict = criterion.examine(&Shape::new(corners, r.float()), &samples, r.float());
             write(verdict, w);
             // An accepted triangle has no errors to state: zeros.
             if let Verdict::Cut { error, rest, bend, .. } = verdict {
