@@ -144,11 +144,18 @@ fn asking_step_by_step_ends_as_knowing_everything() {
 fn a_shadow_edge_through_a_corner_is_followed() {
     // Dark where y > x / 2: the edge starts at the first corner, which is lit itself.
     let lit = |p: [f64; 3]| if p[1] > 0.5 * p[0] { 0.0 } else { point([0.3, 0.1, 1.0], p) };
+    let want = truth(lit, 400);
+    // Depth first is led by a tolerance on each piece's part in the error, best first by the budget.
+    let (by_share, limits) = (
+        Robust { relative: 0.0, absolute: 0.0, share: 0.003 },
+        Limits { budget: 20_000, ..Limits::default() },
+    );
+    let [first, _] = pieces(RIGHT, &by_share, &limits, |b| lit(at(b)) as f32);
+    assert!(first.len() < 900 && first.iter().all(|p| p.end != End::Budget), "{}", first.len());
     let limits = Limits { budget: 600, ..Limits::default() };
     let rule = Robust { relative: 0.02, absolute: 0.0, share: 0.0 };
-    let want = truth(lit, 400);
-    let [first, best] = pieces(RIGHT, &rule, &limits, |b| lit(at(b)) as f32);
-    for (list, name, tolerance) in [(first, "depth first", 0.02), (best, "best first", 0.005)] {
+    let [_, best] = pieces(RIGHT, &rule, &limits, |b| lit(at(b)) as f32);
+    for (list, name, tolerance) in [(first, "depth first", 0.005), (best, "best first", 0.005)] {
         let got = mean(&list);
         assert!((got / want - 1.0).abs() <= tolerance, "{name}: {got} for {want}");
     }
@@ -279,7 +286,7 @@ fn needles_are_shortened_and_end() {
             let x = x(b);
             if (0.4..0.5).contains(&x) { 0.0 } else { point([0.7, 0.0, 0.1], [x, 0.0, 0.0]) as f32 }
         };
-        let limits = Limits { budget: 256, ..Limits::default() };
+        let limits = Limits { budget: 1024, ..Limits::default() };
         let rule = Robust { relative: 0.01, absolute: 0.0, share: 0.0 };
         for list in pieces(corners, &rule, &limits, light) {
             // Cut across, not along: where the light is, which is 0.1 away, pieces are a fraction of that long.
@@ -291,7 +298,7 @@ fn needles_are_shortened_and_end() {
             let brightest = list.iter().flat_map(|p| p.irradiance).fold(0.0, f32::max);
             let bright = list.iter().filter(|p| p.irradiance.iter().any(|l| *l > 0.25 * brightest));
             let longest = bright.map(length).fold(0.0, f64::max);
-            assert!(brightest > 95.0 && longest <= 0.04, "{name}: {longest} long, of {brightest}");
+            assert!(brightest > 95.0 && longest <= 0.0625, "{name}: {longest} long, of {brightest}");
         }
     }
 }

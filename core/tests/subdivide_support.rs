@@ -174,9 +174,9 @@ pub fn contest(scene: &Scene, truth: &Truth, work: &mut Workspace<f32>) -> Vec<P
     for level in 0..=6 {
         add("uniform", scene.uniform(level, work));
     }
-    let free = Limits { budget: 6001, ..Limits::default() };
+    let free = Limits { budget: 100_000, ..Limits::default() };
     for relative in [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3] {
-        for size in [0.4, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.005] {
+        for size in [0.4, 0.28, 0.2, 0.14, 0.1, 0.07, 0.05, 0.035, 0.025, 0.018, 0.012, 0.008, 0.004] {
             let rule = Published { relative, absolute: 0.0 };
             add("published", scene.subdivide(&rule, &Limits { size, ..free }, work));
         }

@@ -29,7 +29,7 @@ mod robust;
 mod shape;
 mod walk;
 
-use crate::math::{self, Vec3};
+use crate::math::Vec3;
 pub use bary::{Bary, GRID, WHOLE_AREA, signed_area};
 pub use best_first::{Node, refine};
 use cache::Cache;
@@ -150,11 +150,12 @@ impl<S: Irradiance> Workspace<S> {
         Self { stack: [none; STACK], cache: Cache::new() }
     }
 
-    /// Cuts a triangle depth first and hands out its pieces, each the first in its cut's order before the next.
+    /// Cuts a triangle depth first and hands out its pieces: of each cut the parts in its order, but last the one whose corners differ most.
     ///
     /// `irradiance` gives W m^-2 at barycentric coordinates of the triangle; it must be a pure function, and is asked once per place but for
     /// places that were pushed out of a small memory. The budget is divided at each cut by how much irradiance differs between the corners of each
-    /// part, and what one part does not use goes to the next. [`refine`] spends a budget better.
+    /// part, and what one part does not use goes to the next. It is a guard, not a goal: parts may meet it while others
+    /// have pieces to spare, so that a tolerance should end most of them; [`refine`] spends a budget well.
     pub fn subdivide<C: Criterion>(
         &mut self,
         corners: [Vec3; 3],
@@ -192,9 +193,10 @@ impl<S: Irradiance> Workspace<S> {
                 Look::Cut { cut, .. } => {
                     let parts = job.pieces(&part, cut, &mut self.cache, &mut irradiance);
                     let parts = &parts[..cut.split.count()];
-                    let shares = shares(parts, budget);
-                    for (part, budget) in parts.iter().zip(shares).rev() {
-                        self.stack[waiting] = Waiting { part: *part, budget };
+                    let (shares, last) = shares(parts, budget);
+                    // A stack: what is pushed first comes last.
+                    for i in core::iter::once(last).chain((0..parts.len()).rev().filter(|i| *i != last)) {
+                        self.stack[waiting] = Waiting { part: parts[i], budget: shares[i] };
                         waiting += 1;
                     }
                     continue;
@@ -208,29 +210,35 @@ impl<S: Irradiance> Workspace<S> {
     }
 }
 
-/// Divides a budget among the parts of a cut: one piece each, and the rest by how much irradiance differs between a part's corners, a 32nd of the
-/// differences of all being given to each, since light may hide between corners. `budget` is at least the number of parts.
-fn shares<S: Irradiance>(parts: &[Part<S>], budget: u32) -> [u32; 4] {
+/// Divides a budget among the parts of a cut: one piece each, and the rest by how much irradiance differs between a part's corners, a 16th of all
+/// the differences being added to each, since light may hide between corners. Also the part with the largest difference, which should
+/// come last to get what the others leave. `budget` is at least the number of parts.
+fn shares<S: Irradiance>(parts: &[Part<S>], budget: u32) -> ([u32; 4], usize) {
+    let n = parts.len().min(4);
     let mut spreads = [0.0_f32; 4];
-    for (to, part) in spreads.iter_mut().zip(parts) {
-        *to = walk::spread(part.irradiance);
+    let mut last = 0;
+    for i in 0..n {
+        spreads[i] = walk::spread(parts[i].irradiance);
+        if spreads[i] >= spreads[last] {
+            last = i;
+        }
     }
     // Scaled, so that the sum is finite.
-    let largest = spreads.iter().fold(0.0, |m, x| math::max(*x, m));
-    let n = parts.len();
+    let largest = spreads[last];
     let scaled = spreads.map(|x| if largest > 0.0 { x / largest } else { 1.0 });
     let total: f32 = scaled[..n].iter().sum();
-    let weight = scaled.map(|x| x + total / 32.0);
+    let weight = scaled.map(|x| x + total / 16.0);
     let all: f32 = weight[..n].iter().sum();
     let free = budget.saturating_sub(n as u32);
     let (mut left, mut out) = (free, [1; 4]);
-    for i in 0..n {
-        // Rounding may ask for more than there is; the last part takes what is left.
-        let wanted = if i + 1 == n { left } else { (free as f32 * (weight[i] / all)) as u32 };
-        out[i] += wanted.min(left);
-        left -= wanted.min(left);
+    for i in (0..n).filter(|i| *i != last) {
+        // Rounding may ask for more than there is.
+        let share = ((free as f32 * (weight[i] / all)) as u32).min(left);
+        out[i] += share;
+        left -= share;
     }
-    out
+    out[last] += left;
+    (out, last)
 }
 
 fn root<S>(irradiance: [S; 3]) -> Part<S> {
