@@ -135,11 +135,11 @@ fn samples_are_asked_for_only_when_the_text_does() {
 }
 
 #[test]
-fn pieces_come_in_the_texts_order_but_for_the_brightest_difference() {
-    // Lit at the second corner alone and cut once: ABD and BCD differ, CAD does not, and the last that differs comes last.
+fn pieces_come_in_the_texts_order_but_for_the_largest_difference() {
+    // Lit at the third corner alone and cut once: BCD and CAD differ, ABD does not; the first that differs comes first.
     let limits = Limits { depth: 1, ..Limits::default() };
     let mut pieces = Vec::new();
-    let light = |b: [f32; 3]| if b[1] == 1.0 { 3.0 } else { 0.0 };
+    let light = |b: [f32; 3]| if b[2] == 1.0 { 3.0 } else { 0.0 };
     let _ = Workspace::new().subdivide(ACUTE, &Published::default(), &limits, light, |p| pieces.push(p));
     let lit: Vec<[f32; 3]> = pieces.iter().map(|p| p.irradiance).collect();
     assert_eq!(lit, [[0.0, 3.0, 0.0], [0.0, 0.0, 0.0], [3.0, 0.0, 0.0]]);

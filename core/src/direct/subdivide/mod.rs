@@ -150,7 +150,7 @@ impl<S: Irradiance> Workspace<S> {
         Self { stack: [none; STACK], cache: Cache::new() }
     }
 
-    /// Cuts a triangle depth first and hands out its pieces: of each cut the parts in its order, but last the one whose corners differ most.
+    /// Cuts a triangle depth first and hands out its pieces: of each cut first the part whose corners differ most, then the others in its order.
     ///
     /// `irradiance` gives W m^-2 at barycentric coordinates of the triangle; it must be a pure function, and is asked once per place but for
     /// places that were pushed out of a small memory. The budget is divided at each cut by how much irradiance differs between the corners of each
@@ -193,9 +193,9 @@ impl<S: Irradiance> Workspace<S> {
                 Look::Cut { cut, .. } => {
                     let parts = job.pieces(&part, cut, &mut self.cache, &mut irradiance);
                     let parts = &parts[..cut.split.count()];
-                    let (shares, last) = shares(parts, budget);
+                    let (shares, first) = shares(parts, budget);
                     // A stack: what is pushed first comes last.
-                    for i in core::iter::once(last).chain((0..parts.len()).rev().filter(|i| *i != last)) {
+                    for i in (0..parts.len()).rev().filter(|i| *i != first).chain([first]) {
                         self.stack[waiting] = Waiting { part: parts[i], budget: shares[i] };
                         waiting += 1;
                     }
@@ -211,34 +211,34 @@ impl<S: Irradiance> Workspace<S> {
 }
 
 /// Divides a budget among the parts of a cut: one piece each, and the rest by how much irradiance differs between a part's corners, a 16th of all
-/// the differences being added to each, since light may hide between corners. Also the part with the largest difference, which should
-/// come last to get what the others leave. `budget` is at least the number of parts.
+/// the differences being added to each, since light may hide between corners. Also the part with the largest difference, which
+/// should come first so that the others get what it leaves. `budget` is at least the number of parts.
 fn shares<S: Irradiance>(parts: &[Part<S>], budget: u32) -> ([u32; 4], usize) {
     let n = parts.len().min(4);
     let mut spreads = [0.0_f32; 4];
-    let mut last = 0;
+    let mut first = 0;
     for i in 0..n {
         spreads[i] = walk::spread(parts[i].irradiance);
-        if spreads[i] >= spreads[last] {
-            last = i;
+        if spreads[i] > spreads[first] {
+            first = i;
         }
     }
     // Scaled, so that the sum is finite.
-    let largest = spreads[last];
+    let largest = spreads[first];
     let scaled = spreads.map(|x| if largest > 0.0 { x / largest } else { 1.0 });
     let total: f32 = scaled[..n].iter().sum();
     let weight = scaled.map(|x| x + total / 16.0);
     let all: f32 = weight[..n].iter().sum();
     let free = budget.saturating_sub(n as u32);
     let (mut left, mut out) = (free, [1; 4]);
-    for i in (0..n).filter(|i| *i != last) {
+    for i in (0..n).filter(|i| *i != first) {
         // Rounding may ask for more than there is.
         let share = ((free as f32 * (weight[i] / all)) as u32).min(left);
         out[i] += share;
         left -= share;
     }
-    out[last] += left;
-    (out, last)
+    out[first] += left;
+    (out, first)
 }
 
 fn root<S>(irradiance: [S; 3]) -> Part<S> {
