@@ -28,7 +28,7 @@ fn curves(scene: &Scene, lattice: usize, work: &mut Workspace<f32>) -> [Vec<Poin
 fn robust_takes_fewer_pieces_than_published_for_any_of_its_settings() {
     let mut work = Workspace::new();
     for scene in &SCENES {
-        let [uniform, published, first, best] = curves(scene, 128, &mut work);
+        let [uniform, published, first, best] = curves(scene, 192, &mut work);
         for n in [256, 1024] {
             let [u, p, f, b] = [&uniform, &published, &first, &best].map(|c| least(c, n, |p| p.pieces));
             assert!(b <= p, "{}: {n} pieces: best first {b}, published {p}", scene.name);

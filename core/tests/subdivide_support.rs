@@ -278,6 +278,6 @@ impl Truth {
 
 /// A point near the centre k of row j: even ones in upward triangles, odd ones in downward. Not the centroid, on which cuts at centroids meet.
 fn centre(n: usize, j: usize, k: usize) -> (f64, f64) {
-    let (i, third) = (k / 2, if k % 2 == 0 { 0.318 } else { 0.682 });
+    let (i, third) = (k / 2, if k.is_multiple_of(2) { 0.315 } else { 0.685 });
     ((i as f64 + third) / n as f64, (j as f64 + third) / n as f64)
 }

@@ -17,7 +17,7 @@ fn noise(seed: u32, bary: [f32; 3]) -> f32 {
     x = (x ^ x >> 16).wrapping_mul(0x85EB_CA6B);
     x = (x ^ x >> 13).wrapping_mul(0xC2B2_AE35);
     x ^= x >> 16;
-    if x % 3 == 0 { 0.0 } else { x as f32 * 2.0_f32.powi(-32) }
+    if x.is_multiple_of(3) { 0.0 } else { x as f32 * 2.0_f32.powi(-32) }
 }
 
 /// Sorted angles of a triangle in degrees, f64.
