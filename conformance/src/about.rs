@@ -110,6 +110,14 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
         ),
 
         // subdivide
+        K::SubdividePublished => (
+            "corners of any size, irradiance in [0, 2^126]; NaN and negative count as 0",
+            "E. Kopylov, First Shot, algorithm 1",
+        ),
+        K::SubdivideRobust => (
+            "corners of any size, irradiance 0 or in [1e-30, 2^126]; NaN and negative count as 0",
+            "E. Kopylov, First Shot, algorithm 1, mended; longest-edge bisection: Rosenberg and Stenger 1975",
+        ),
         // log_offset
         Kernel::LogOffsetEncode => (
             "every finite x; tables of widths 0.0625 to 174, and of a matrix of zeros",

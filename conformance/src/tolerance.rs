@@ -38,6 +38,12 @@ const fn exact() -> Tolerance {
     Tolerance { unit: "bits", truth: bound, peer: bound }
 }
 
+/// Decisions on floats: exact wherever the truth says that they hang on no rounding.
+const fn exact_choice(reason: &'static str) -> Tolerance {
+    let bound = Bound { limit: 0.0, reason };
+    Tolerance { unit: "bits", truth: bound, peer: Bound { limit: 0.0, reason } }
+}
+
 const fn float(unit: &'static str, limit: f64, reason: &'static str) -> Tolerance {
     // Each of a kernel's few roundings may become 2.5 on hardware, on both sides.
     let peer = Bound { limit: 8.0 + 5.0 * limit, reason: WGSL };
@@ -131,6 +137,8 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
         K::EmissionBrightest => float("ulp", 8.5, "that of the decoded texel, and the margin's product"),
 
         // subdivide
+        K::SubdividePublished => exact_choice("comparisons of rounded numbers: the same, or undecided"),
+        K::SubdivideRobust => float("u", 4.0, "differences of samples, in units of the largest"),
         // log_offset
         K::LogOffsetEncode => exact(),
         K::LogOffsetLookUp => exact(),

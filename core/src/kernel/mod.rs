@@ -213,6 +213,13 @@ kernels! {
     EmissionBrightest = "emission::brightest_in", table(3, 6, 3);
 
     // subdivide
+    /// relative, absolute tolerance | corners (3 vec3), irradiance at corners, at midpoints opposite corners 0 to 2, at the
+    /// centroid (7) -> how many pieces (1: accepted), then 4 words, each a piece's three corners as indices of the seven
+    /// points, four bits each, the first lowest (0 where there is no such piece).
+    SubdividePublished = "subdivide::published", exact(2, 16, 5);
+    /// relative, absolute, share tolerance | corners (3 vec3), irradiance at the seven points (7), share of the parent's area, expected error
+    /// -> how many pieces, 4 words as above, error, error and largest deviation expected of the worst piece (0 if accepted).
+    SubdivideRobust = "subdivide::robust", exact(3, 18, 8);
     // log_offset
     /// 255 thresholds, never decreasing | x -> code.
     LogOffsetEncode = "log_offset::encode", exact(255, 1, 1);

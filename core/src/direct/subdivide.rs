@@ -1,1 +1,0 @@
-//! Adaptive subdivision of a lit triangle.
