@@ -21,6 +21,8 @@
 //! texels give the same block on every machine. No quality from `Cluster` on is worse than the ones before it among
 //! `RangeFit`, `Cluster`, `Refined`, `Exhaustive`, block by block (where weights differ, within the rounding of f32 sums).
 
+#![allow(clippy::needless_range_loop, reason = "an index is a channel or a lane of several arrays at once")]
+
 mod branch;
 mod cluster;
 mod lanes;
