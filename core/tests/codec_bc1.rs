@@ -204,7 +204,6 @@ fn branch_and_bound_finds_what_brute_force_finds() {
 }
 
 #[test]
-#[ignore = "half a minute: cargo test -p etendue-core --test codec_bc1 -- --ignored"]
 fn branch_and_bound_in_two_channels() {
     let mut random = Random(6);
     for round in 0..6 {
