@@ -37,9 +37,9 @@ fn texels(count: usize, r: &mut Random, channels: usize) -> Vec<u32> {
     };
     for counts in [0xffff, 0, 1, 0x8000, 0x5a5a] {
         put(&mut |i| 17 * i * gray, counts);
-        put(&mut |i| (255 - 17 * i) << 8 | 17 * i, counts);
+        put(&mut |i| ((255 - 17 * i) << 8) | (17 * i), counts);
         put(&mut |i| i % 2 * 0x00ff_ffff, counts);
-        put(&mut |i| i / 8 * 0x00ff_00ff | 0x8000, counts);
+        put(&mut |i| (i / 8 * 0x00ff_00ff) | 0x8000, counts);
         put(&mut |_| 0x0047_8bc3, counts);
         put(&mut |i| 0x0080_8080 + i % 3, counts);
     }

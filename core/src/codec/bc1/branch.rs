@@ -27,7 +27,7 @@ pub struct Proof {
 /// widest range, the more promising half first. Bounds are rounded like errors and compared with a margin of 2^-20 where
 /// weights differ, so that there "best" means best within one part in 10^6; where all are alike they are exact integers.
 ///
-/// Blocks on a short line are proved in a few thousand boxes; noise over the whole cube needs 10^7 and more.
+/// The number of boxes that a proof takes grows steeply with how far the texels lie from a line.
 #[must_use]
 pub fn encode_proved(texels: &Texels, weights: &[f32; 16], black: Black, nodes: u32) -> Option<Proof> {
     let t = Target::new(texels, weights)?;

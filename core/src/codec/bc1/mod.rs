@@ -21,6 +21,8 @@
 //! texels give the same block on every machine. No quality from `Cluster` on is worse than the ones before it among
 //! `RangeFit`, `Cluster`, `Refined`, `Exhaustive`, block by block (where weights differ, within the rounding of f32 sums).
 
+#![allow(clippy::needless_range_loop, reason = "an index is a channel or a lane of several arrays at once")]
+
 mod branch;
 mod cluster;
 mod lanes;
@@ -64,8 +66,8 @@ pub enum Quality {
     /// The best split along the principal axis in each mode (and with the dark texels black), endpoints and indices
     /// fitted to each other until nothing is gained.
     Cluster,
-    /// Two splits per mode along up to two axes, each descended from: no endpoint code of a channel, nor the pair of
-    /// them, can move by one without loss.
+    /// Two splits per mode along up to two axes; from each a descent to endpoints of which no channel's codes, nor the
+    /// pair of them, can move by one to gain.
     Refined,
     /// Up to sixteen splits per mode along up to eight axes, then branch and bound over all endpoints, cut off after
     /// [`EXHAUSTIVE_NODES`]. [`encode_proved`] takes the limit and says whether the block is proved best.

@@ -45,7 +45,7 @@ impl Rule {
     const fn half(self, codes: [u32; 2], five: bool) -> u32 {
         let [a, b] = [widen(codes[0], five), widen(codes[1], five)];
         match self {
-            Self::Nearest | Self::Amd => (a + b + 1) / 2,
+            Self::Nearest | Self::Amd => (a + b).div_ceil(2),
             Self::Truncated | Self::Mesa => (a + b) / 2,
             Self::Nvidia if five => (codes[0] + codes[1]) * 33 / 8,
             Self::Nvidia => nvidia_green(a, b, 128),

@@ -88,8 +88,8 @@ pub(super) fn entries([a, b]: [u32; 2], channel: usize, mode: Mode) -> [f32; 4] 
     let (a, b) = (widen(a, five(channel)), widen(b, five(channel)));
     let (p, q) = match mode {
         Mode::Four => ((2 * a + b + 1) / 3, (a + 2 * b + 1) / 3),
-        Mode::Three => ((a + b + 1) / 2, a),
-        Mode::Black => ((a + b + 1) / 2, 0),
+        Mode::Three => ((a + b).div_ceil(2), a),
+        Mode::Black => ((a + b).div_ceil(2), 0),
     };
     [a as i32 as f32, b as i32 as f32, p as i32 as f32, q as i32 as f32]
 }

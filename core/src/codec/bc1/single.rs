@@ -14,7 +14,7 @@ const fn table<const THIRDS: bool>(five: bool) -> [[u8; 2]; 256] {
         let mut b = 0;
         while b <= last {
             let (p, q) = (widen(a, five), widen(b, five));
-            let entry = if THIRDS { (2 * p + q + 1) / 3 } else { (p + q + 1) / 2 };
+            let entry = if THIRDS { (2 * p + q + 1) / 3 } else { (p + q).div_ceil(2) };
             // What entry serves which value: only values within 8 of it can have it as their nearest.
             let mut x = entry.saturating_sub(8);
             while x < 256 && x <= entry + 8 {

@@ -228,7 +228,7 @@ fn one_colour_has_the_nearest_entry_there_is() {
             for mode in [Mode::Four, Mode::Three] {
                 let entry = |a: u32, b: u32| {
                     let (a, b) = (widen(a, five), widen(b, five));
-                    if mode == Mode::Four { (2 * a + b + 1) / 3 } else { (a + b + 1) / 2 }
+                    if mode == Mode::Four { (2 * a + b + 1) / 3 } else { (a + b).div_ceil(2) }
                 };
                 let [a, b] = single::ends(x, five, mode);
                 let least = (0..=last)
