@@ -3,6 +3,7 @@
 //! The same job gives the same bits for any number of threads: chunks are fixed, each sample depends on its own
 //! indices only, and films add integers.
 
+pub mod linear_triangle;
 mod schedule;
 mod session;
 mod simd;

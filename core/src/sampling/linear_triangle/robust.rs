@@ -18,7 +18,9 @@
 //! Along the segment at s the density is linear, from a = w0 c + w1 s to b = w0 c + w2 s, and
 //! t = eta (a + b) / (a + sqrt(a^2 (1 - eta) + b^2 eta)) (no cancellation; t and 1 - t exchange with a and b).
 
+use super::LinearTriangle;
 use crate::math::{max, min, two_prod, two_sum};
+use crate::sampling::ONE_MINUS_EPSILON;
 
 /// 2^48 and its inverse: what small numbers are scaled by, so that their squares stay normal.
 const UP: f32 = 281_474_976_710_656.0;
@@ -71,9 +73,27 @@ pub(super) fn rotated(weights: [f32; 3]) -> Rotated {
     let [a, b, c] = scaled(weights);
     let first = (a <= b) & (a <= c);
     let second = b <= c;
-    let w0 = if first { a } else if second { b } else { c };
-    let w1 = if first { b } else if second { c } else { a };
-    let w2 = if first { c } else if second { a } else { b };
+    let w0 = if first {
+        a
+    } else if second {
+        b
+    } else {
+        c
+    };
+    let w1 = if first {
+        b
+    } else if second {
+        c
+    } else {
+        a
+    };
+    let w2 = if first {
+        c
+    } else if second {
+        a
+    } else {
+        b
+    };
     Rotated { w: [w0, w1, w2], first, second }
 }
 
@@ -84,9 +104,27 @@ impl Rotated {
         let [x0, x1, x2] = x;
         let (first, second) = (self.first, self.second);
         [
-            if first { x0 } else if second { x2 } else { x1 },
-            if first { x1 } else if second { x0 } else { x2 },
-            if first { x2 } else if second { x1 } else { x0 },
+            if first {
+                x0
+            } else if second {
+                x2
+            } else {
+                x1
+            },
+            if first {
+                x1
+            } else if second {
+                x0
+            } else {
+                x2
+            },
+            if first {
+                x2
+            } else if second {
+                x1
+            } else {
+                x0
+            },
         ]
     }
 
@@ -96,9 +134,27 @@ impl Rotated {
         let [x0, x1, x2] = x;
         let (first, second) = (self.first, self.second);
         [
-            if first { x0 } else if second { x1 } else { x2 },
-            if first { x1 } else if second { x2 } else { x0 },
-            if first { x2 } else if second { x0 } else { x1 },
+            if first {
+                x0
+            } else if second {
+                x1
+            } else {
+                x2
+            },
+            if first {
+                x1
+            } else if second {
+                x2
+            } else {
+                x0
+            },
+            if first {
+                x2
+            } else if second {
+                x0
+            } else {
+                x1
+            },
         ]
     }
 }
@@ -220,7 +276,6 @@ fn root(x: f32) -> f32 {
     let y = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(x.to_bits() >> 1));
     let y = y * (1.5 - half * y * y);
     let y = y * (1.5 - half * y * y);
-    let y = y * (1.5 - half * y * y);
     let r = x * y;
     r + (0.5 * y) * (x - r * r)
 }
@@ -246,11 +301,69 @@ pub(super) fn along(w: [f32; 3], s: f32, c: f32, eta: f32) -> [f32; 2] {
     [if early { large } else { small }, if early { small } else { large }]
 }
 
-/// See [`super::sample`].
-#[inline(always)]
-pub(super) fn sample(weights: [f32; 3], u: [f32; 2]) -> [f32; 3] {
+/// By the lightest vertex; see the module.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Robust;
+
+impl LinearTriangle for Robust {
+    #[inline(always)]
+    fn sample(weights: [f32; 3], u: [f32; 2]) -> [f32; 3] {
+        let r = rotated(weights);
+        let [s, c] = distance(r.w, unit(u[0]));
+        let [b1, b2] = along(r.w, s, c, unit(u[1]));
+        r.back([c, b1, b2])
+    }
+
+    #[inline]
+    fn pdf(weights: [f32; 3], bary: [f32; 3]) -> f32 {
+        let [a, b, c] = scaled(weights);
+        let [x, y, z] = bary;
+        // NaN is refused too.
+        if !(x >= 0.0 && y >= 0.0 && z >= 0.0) {
+            return 0.0;
+        }
+        3.0 * ((a * x + b * y + c * z) / (a + b + c))
+    }
+
+    #[inline]
+    fn invert(weights: [f32; 3], bary: [f32; 3]) -> [f32; 2] {
+        let r = rotated(weights);
+        let [w0, w1, w2] = r.w;
+        let [c, b1, b2] = r.forth(bary.map(unit));
+        let s = b1 + b2;
+        if s <= 0.0 {
+            return [0.0, 0.0];
+        }
+        let v = w1 + w2;
+        let (sum, t) = (v + w0, v - 2.0 * w0);
+        // Whichever of the two forms has the smaller argument.
+        let xi = if s < c {
+            s * s * ((3.0 * w0 + t * s) / sum)
+        } else {
+            1.0 - c * ((3.0 * v - c * (3.0 * (v - w0) - t * c)) / sum)
+        };
+        let (a, b) = (w0 * c + w1 * s, w0 * c + w2 * s);
+        let (near, far) = (b1 / s, b2 / s);
+        // The share up to `far` of a density from a to b; all terms are positive.
+        let eta = if b2 < b1 {
+            far * ((a * (1.0 + near) + b * far) / (a + b))
+        } else {
+            1.0 - near * ((b * (1.0 + far) + a * near) / (a + b))
+        };
+        [xi, eta].map(|x| min(max(x, 0.0), ONE_MINUS_EPSILON))
+    }
+}
+
+/// See [`super::apex_distance`].
+#[inline]
+pub(super) fn apex_distance(weights: [f32; 3], u: f32) -> (usize, [f32; 2]) {
     let r = rotated(weights);
-    let [s, c] = distance(r.w, unit(u[0]));
-    let [b1, b2] = along(r.w, s, c, unit(u[1]));
-    r.back([c, b1, b2])
+    let apex = if r.first {
+        0
+    } else if r.second {
+        1
+    } else {
+        2
+    };
+    (apex, distance(r.w, unit(u)))
 }
