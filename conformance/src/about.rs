@@ -20,6 +20,18 @@ pub fn about(kernel: Kernel) -> About {
 fn words(kernel: Kernel) -> (&'static str, &'static str) {
     match kernel {
         // linear_triangle
+        Kernel::SampleLinearTriangle | Kernel::LinearTriangleDistance => (
+            "weights >= 0 with a positive sum, normal numbers; u in [0, 1]",
+            "density: E. A. Kopylov, algorithm 2; the lightest vertex as apex and Halley's step: core::sampling::linear_triangle",
+        ),
+        Kernel::PdfLinearTriangle => (
+            "weights >= 0 with a positive sum, normal numbers; barycentrics that sum to 1",
+            "linear interpolation over its mean",
+        ),
+        Kernel::InvertLinearTriangle => (
+            "weights >= 0 with a positive sum, normal numbers; barycentrics >= 0",
+            "distribution functions of the density of E. A. Kopylov, algorithm 2, from the lightest vertex",
+        ),
         // emission
         // subdivide
         // log_offset

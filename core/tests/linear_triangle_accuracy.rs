@@ -4,7 +4,7 @@
 #[path = "linear_triangle_support.rs"]
 mod support;
 
-use etendue_core::sampling::linear_triangle::{Cardano, apex_distance, sample};
+use etendue_core::sampling::linear_triangle::{Cardano, LinearTriangle, apex_distance, sample};
 use support::{Random, distance, hard_unit, hard_weights, scaled};
 
 /// Units of the stated errors.
@@ -35,7 +35,8 @@ fn measure(seed: u64, count: u64) -> Worst {
     let mut worst = Worst::default();
     for _ in 0..count {
         let (w, u) = (hard_weights(&mut r), [hard_unit(&mut r), hard_unit(&mut r)]);
-        let (apex, [s, c]) = apex_distance(w, u[0]);
+        let found = apex_distance(w, u[0]);
+        let (apex, s, c) = (found.apex, found.distance, found.complement);
         let v = scaled(w);
         let [w0, w1, w2] = [0, 1, 2].map(|i| v[(apex + i) % 3]);
         assert!(w0 <= w1 && w0 <= w2, "{w:?}: vertex {apex} is not the lightest");
@@ -54,7 +55,7 @@ fn measure(seed: u64, count: u64) -> Worst {
         let sum = b.iter().map(|x| f64::from(*x)).sum::<f64>();
         worst.sum = worst.sum.max((sum - 1.0).abs() / UNIT);
 
-        let x = Cardano::marginal(w, u[0]);
+        let x = Cardano.sample(w, u)[1];
         if x.is_nan() {
             worst.cardano_nan += 1;
         } else {

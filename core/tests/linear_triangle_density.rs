@@ -7,7 +7,7 @@ mod statistics;
 mod support;
 
 use etendue_core::sampling::linear_triangle::{
-    Cardano, LinearTriangle, Mixture, Robust, invert, pdf, sample, sample_slice,
+    Cardano, Dirichlet, LinearTriangle, invert, pdf, sample, sample_slice,
 };
 use proptest::prelude::*;
 use statistics::{assert_random, chi2_p, sidak};
@@ -81,14 +81,7 @@ fn robust_samples_have_the_density() {
 
 #[test]
 fn the_mixture_has_it_too() {
-    chi_square(
-        |r, w| {
-            // Its sum of weights must be finite.
-            let w = support::scaled(w).map(|x| x as f32);
-            Mixture::sample(w, r.unit(), [r.unit(), r.unit(), r.unit()])
-        },
-        1 << 13,
-    );
+    chi_square(|r, w| Dirichlet.sample(w, [r.unit(), r.unit()]), 1 << 13);
 }
 
 /// The same statistics see a density that is off by a little: a quarter more of one weight.
@@ -118,7 +111,7 @@ fn densities_agree_and_integrate_to_one() {
                 (p - truth).abs() <= 5.0 * truth * f64::from(f32::EPSILON) / 2.0,
                 "{w:?} {b:?}: {p} {truth}"
             );
-            let m = f64::from(Mixture::pdf(scaled.map(|x| x as f32), b));
+            let m = f64::from(Dirichlet.pdf(w, b));
             assert!((m - truth).abs() <= 1e-6 * truth, "{w:?} {b:?}: {m} {truth}");
         }
         // A linear function's mean over the triangle is that of the edge midpoints.
@@ -130,11 +123,12 @@ fn densities_agree_and_integrate_to_one() {
         assert!((mean - 1.0).abs() <= 1e-6, "{w:?}: {mean}");
     }
     assert_eq!(pdf([1.0; 3], [0.2, 0.3, 0.5]), 1.0);
-    assert_eq!(Cardano::pdf([1.0; 3], [0.25, 0.25, 0.5]), 1.0);
+    assert_eq!(Cardano.pdf([1.0; 3], [0.25, 0.25, 0.5]), 1.0);
 }
 
 /// What [`invert`] states: units of 2^-24, and the first number's relative error in units of 2^-23.
-const ROUND_TRIP: f64 = 8.0;
+const ROUND_TRIP: f64 = 4.0;
+const ROUND_TRIP_RELATIVE: f64 = 16.0;
 
 #[test]
 fn the_inverse_returns_the_random_numbers() {
@@ -156,7 +150,7 @@ fn the_inverse_returns_the_random_numbers() {
     }
     println!("round trip: {worst:?} of 2^-24, relative {relative} of 2^-23");
     assert!(worst[0] <= ROUND_TRIP && worst[1] <= ROUND_TRIP, "{worst:?}");
-    assert!(relative <= ROUND_TRIP, "{relative}");
+    assert!(relative <= ROUND_TRIP_RELATIVE, "{relative}");
 }
 
 #[test]
@@ -197,7 +191,7 @@ proptest! {
     #[test]
     fn any_bits_give_a_point(w in prop::array::uniform3(any::<u32>()), u in prop::array::uniform2(any::<u32>())) {
         let (w, u) = (w.map(f32::from_bits), u.map(f32::from_bits));
-        let b = Robust::sample(w, u);
+        let b = sample(w, u);
         prop_assert!(b.iter().all(|x| (0.0..=1.0).contains(x)), "{:?}", b);
         let sum: f64 = b.iter().map(|x| f64::from(*x)).sum();
         prop_assert!((sum - 1.0).abs() <= 1.0 / 8_388_608.0, "{:?} sums to {}", b, sum);

@@ -18,9 +18,7 @@
 //! Along the segment at s the density is linear, from a = w0 c + w1 s to b = w0 c + w2 s, and
 //! t = eta (a + b) / (a + sqrt(a^2 (1 - eta) + b^2 eta)) (no cancellation; t and 1 - t exchange with a and b).
 
-use super::LinearTriangle;
-use crate::math::{max, min, two_prod, two_sum};
-use crate::sampling::ONE_MINUS_EPSILON;
+use crate::math::{ONE_MINUS_EPSILON, max, min, two_prod, two_sum};
 
 /// 2^48 and its inverse: what small numbers are scaled by, so that their squares stay normal.
 const UP: f32 = 281_474_976_710_656.0;
@@ -98,6 +96,18 @@ pub(super) fn rotated(weights: [f32; 3]) -> Rotated {
 }
 
 impl Rotated {
+    /// Index of the apex.
+    #[inline(always)]
+    pub(super) fn apex(self) -> usize {
+        if self.first {
+            0
+        } else if self.second {
+            1
+        } else {
+            2
+        }
+    }
+
     /// Values by place about the apex as values by vertex.
     #[inline(always)]
     pub(super) fn back(self, x: [f32; 3]) -> [f32; 3] {
@@ -301,69 +311,46 @@ pub(super) fn along(w: [f32; 3], s: f32, c: f32, eta: f32) -> [f32; 2] {
     [if early { large } else { small }, if early { small } else { large }]
 }
 
-/// By the lightest vertex; see the module.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Robust;
-
-impl LinearTriangle for Robust {
-    #[inline(always)]
-    fn sample(weights: [f32; 3], u: [f32; 2]) -> [f32; 3] {
-        let r = rotated(weights);
-        let [s, c] = distance(r.w, unit(u[0]));
-        let [b1, b2] = along(r.w, s, c, unit(u[1]));
-        r.back([c, b1, b2])
-    }
-
-    #[inline]
-    fn pdf(weights: [f32; 3], bary: [f32; 3]) -> f32 {
-        let [a, b, c] = scaled(weights);
-        let [x, y, z] = bary;
-        // NaN is refused too.
-        if !(x >= 0.0 && y >= 0.0 && z >= 0.0) {
-            return 0.0;
-        }
-        3.0 * ((a * x + b * y + c * z) / (a + b + c))
-    }
-
-    #[inline]
-    fn invert(weights: [f32; 3], bary: [f32; 3]) -> [f32; 2] {
-        let r = rotated(weights);
-        let [w0, w1, w2] = r.w;
-        let [c, b1, b2] = r.forth(bary.map(unit));
-        let s = b1 + b2;
-        if s <= 0.0 {
-            return [0.0, 0.0];
-        }
-        let v = w1 + w2;
-        let (sum, t) = (v + w0, v - 2.0 * w0);
-        // Whichever of the two forms has the smaller argument.
-        let xi = if s < c {
-            s * s * ((3.0 * w0 + t * s) / sum)
-        } else {
-            1.0 - c * ((3.0 * v - c * (3.0 * (v - w0) - t * c)) / sum)
-        };
-        let (a, b) = (w0 * c + w1 * s, w0 * c + w2 * s);
-        let (near, far) = (b1 / s, b2 / s);
-        // The share up to `far` of a density from a to b; all terms are positive.
-        let eta = if b2 < b1 {
-            far * ((a * (1.0 + near) + b * far) / (a + b))
-        } else {
-            1.0 - near * ((b * (1.0 + far) + a * near) / (a + b))
-        };
-        [xi, eta].map(|x| min(max(x, 0.0), ONE_MINUS_EPSILON))
-    }
+/// See [`super::sample`].
+#[inline(always)]
+pub(super) fn sample(weights: [f32; 3], u: [f32; 2]) -> [f32; 3] {
+    let r = rotated(weights);
+    let [s, c] = distance(r.w, unit(u[0]));
+    let [b1, b2] = along(r.w, s, c, unit(u[1]));
+    r.back([c, b1, b2])
 }
 
-/// See [`super::apex_distance`].
-#[inline]
-pub(super) fn apex_distance(weights: [f32; 3], u: f32) -> (usize, [f32; 2]) {
+/// See [`super::pdf`].
+#[inline(always)]
+pub(super) fn pdf(weights: [f32; 3], bary: [f32; 3]) -> f32 {
+    let [w0, w1, w2] = scaled(weights);
+    let [b0, b1, b2] = bary;
+    let inside = (b0 >= 0.0) & (b1 >= 0.0) & (b2 >= 0.0);
+    let value = 3.0 * (w0 * unit(b0) + w1 * unit(b1) + w2 * unit(b2)) / (w0 + w1 + w2);
+    if inside { min(value, 3.0) } else { 0.0 }
+}
+
+/// See [`super::invert`].
+#[inline(always)]
+pub(super) fn invert(weights: [f32; 3], bary: [f32; 3]) -> [f32; 2] {
     let r = rotated(weights);
-    let apex = if r.first {
-        0
-    } else if r.second {
-        1
-    } else {
-        2
-    };
-    (apex, distance(r.w, unit(u)))
+    let ([w0, w1, w2], [b0, b1, b2]) = (r.w, r.forth(bary.map(unit)));
+    let (v, t) = (w1 + w2, (w1 - w0) + (w2 - w0));
+    let (sum, rest) = (w0 + v, b1 + b2);
+    let whole = max(b0 + rest, f32::MIN_POSITIVE);
+    let (s, c) = (rest / whole, b0 / whole);
+    // From the nearer end, and s last: its square may underflow before the share does.
+    let share = s * (s * (3.0 * w0 + t * s) / sum);
+    let other = c * (3.0 * v + c * (t * c - 3.0 * (v - w0))) / sum;
+    let xi = if s <= c { share } else { 1.0 - other };
+    let along = max(rest, f32::MIN_POSITIVE);
+    let (early, late) = (b1 / along, b2 / along);
+    let apex = w0 * c;
+    let (a, b) = (apex + w1 * s, apex + w2 * s);
+    let ends = max(a + b, TINY * TINY);
+    let from_start = late * ((a * (1.0 + early) + b * late) / ends);
+    let from_end = early * ((b * (1.0 + late) + a * early) / ends);
+    let eta = if late <= early { from_start } else { 1.0 - from_end };
+    let at_apex = rest <= 0.0;
+    [min(max(xi, 0.0), ONE_MINUS_EPSILON), if at_apex { 0.0 } else { min(max(eta, 0.0), ONE_MINUS_EPSILON) }]
 }
