@@ -5,6 +5,7 @@
 
 pub mod bc1;
 mod linear;
+pub mod linear_triangle;
 pub mod log_offset;
 mod schedule;
 mod session;

@@ -87,6 +87,18 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
         K::SrgbDecode => ("every code", "IEC 61966-2-1:1999"),
         K::SampleBitmap => ("finite u, v", "bilinear over the four nearest texel centres"),
         // linear_triangle
+        Kernel::SampleLinearTriangle | Kernel::LinearTriangleDistance => (
+            "weights >= 0 with a positive sum, normal numbers; u in [0, 1]",
+            "density: E. A. Kopylov, algorithm 2; the lightest vertex as apex and Halley's step: core::sampling::linear_triangle",
+        ),
+        Kernel::PdfLinearTriangle => (
+            "weights >= 0 with a positive sum, normal numbers; barycentrics that sum to 1",
+            "linear interpolation over its mean",
+        ),
+        Kernel::InvertLinearTriangle => (
+            "weights >= 0 with a positive sum, normal numbers; barycentrics >= 0",
+            "distribution functions of the density of E. A. Kopylov, algorithm 2, from the lightest vertex",
+        ),
         // emission
         Kernel::EmissionCoefficient => (
             "edges 1e-9 to 1e9 m, heights from 2^-16 of the length, irradiance 1e-12 to 1e9 W m^-2",

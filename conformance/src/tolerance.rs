@@ -127,6 +127,12 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
         }
         K::SampleBitmap => float("u", 3.0, CONDITION),
         // linear_triangle
+        K::SampleLinearTriangle => float("u", 8.0, "roundings of both conditional inversions, relative"),
+        K::PdfLinearTriangle => float("ulp", 3.0, ROUNDING),
+        K::InvertLinearTriangle => float("u", 12.0, "roundings of ratios, cubed, relative"),
+        K::LinearTriangleDistance => {
+            float("u", 1.25, "one rounding of a sum, and what its step lacks; relative")
+        }
         // emission
         K::EmissionCoefficient => {
             float("ulp", 6.0, "two-part cross product and length, sum and three products")

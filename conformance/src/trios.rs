@@ -4,6 +4,8 @@
 //! Samples use pseudo-random `u` with a fixed seed (not a net: the chi-square test needs independence). The joint level
 //! of all chi-square tests is [`ALPHA`], by Sidak's rule.
 
+mod linear_triangle;
+
 use crate::inputs::HARD_UNITS;
 use crate::statistics::{Random, chi2_p, sidak};
 use etendue_core::backend::{Backend, BackendError};
@@ -108,7 +110,7 @@ pub fn check(backend: &dyn Backend, count: usize) -> Result<Vec<Finding>, Backen
     let mut out = Vec::new();
     let trios = trios();
     let scatterers = scatterers();
-    let level = sidak(ALPHA, trios.len() + scatterers.len() + 3);
+    let level = sidak(ALPHA, trios.len() + scatterers.len() + 3 + linear_triangle::WEIGHTS.len());
     for (i, t) in trios.iter().enumerate() {
         let label = |what: &str| match t.parameter {
             Some(p) => format!("trio/{}({p})/{what}", t.name),
@@ -133,6 +135,7 @@ pub fn check(backend: &dyn Backend, count: usize) -> Result<Vec<Finding>, Backen
         out.push(chi_square(backend, label("chi_square"), t, &w[skip / 2 * 3..], level)?);
     }
     flat(backend, count, level, &mut out)?;
+    linear_triangle::check(backend, count, level, &mut out)?;
     for s in &scatterers {
         scatter(backend, s, count, level, &mut out)?;
     }

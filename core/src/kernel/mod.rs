@@ -198,6 +198,14 @@ kernels! {
     SampleBitmap = "bitmap::sample_bitmap", table(3, 2, 3);
 
     // linear_triangle
+    /// weights (3), u (2) -> barycentrics (3).
+    SampleLinearTriangle = "linear_triangle::sample", exact(0, 5, 3);
+    /// weights (3), barycentrics (3) -> density.
+    PdfLinearTriangle = "linear_triangle::pdf", exact(0, 6, 1);
+    /// weights (3), barycentrics (3) -> u (2).
+    InvertLinearTriangle = "linear_triangle::invert", exact(0, 6, 2);
+    /// weights (3), u -> apex, distance, complement.
+    LinearTriangleDistance = "linear_triangle::apex_distance", exact(0, 4, 3);
     // emission
     /// three vertices (vec3 each), albedo (vec3), irradiance at the vertices (vec3 each) -> emission (vec3), area.
     EmissionCoefficient = "emission::coefficient", exact(0, 21, 4);

@@ -1,1 +1,0 @@
-//! Points of linear density over a triangle.
