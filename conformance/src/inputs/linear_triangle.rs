@@ -24,7 +24,7 @@ fn weights(r: &mut Random) -> [f32; 3] {
     let scale = f64::from(r.log_range(1e-20, 1e20));
     let mut w = match r.below(6) {
         0 => [0.0, r.range(0.0, 1.0), r.range(0.0, 1.0)],
-        1 => [1.0, 0, 0].map(|_| 1.0 + 1e-7 * r.range(0.0, 1.0)),
+        1 => [(); 3].map(|()| 1.0 + 1e-7 * r.range(0.0, 1.0)),
         2 => [1.0, f64::from(r.log_range(1e-15, 1.0)), f64::from(r.log_range(1e-15, 1.0))],
         3 => {
             let x = f64::from(r.log_range(1e-15, 1.0));
