@@ -240,3 +240,18 @@ pub fn contests() -> Vec<Contest> {
         contest("BC1 of generated pictures", "bc1_pictures", pictures(96)),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etendue_core::codec::bc1::{Rule, decode_with};
+
+    #[test]
+    fn a_rival_decodes_as_the_truncating_rule_does() {
+        let mut random = Random::new(3);
+        for _ in 0..100_000 {
+            let block = random.bits().to_le_bytes();
+            assert_eq!(Format::Bc1.decompress_block(&block), decode_with(block, Rule::Truncated));
+        }
+    }
+}
