@@ -339,10 +339,10 @@ pub(super) fn invert(weights: [f32; 3], bary: [f32; 3]) -> [f32; 2] {
     let (sum, rest) = (w0 + v, b1 + b2);
     let whole = max(b0 + rest, f32::MIN_POSITIVE);
     let (s, c) = (rest / whole, b0 / whole);
-    // From the nearer end, and s last: its square may underflow before the share does.
+    // From the end with less of the density behind, and s last: its square may underflow before the share does.
     let share = s * (s * (3.0 * w0 + t * s) / sum);
     let other = c * (3.0 * v + c * (t * c - 3.0 * (v - w0))) / sum;
-    let xi = if s <= c { share } else { 1.0 - other };
+    let xi = if share <= 0.5 { share } else { 1.0 - other };
     let along = max(rest, f32::MIN_POSITIVE);
     let (early, late) = (b1 / along, b2 / along);
     let apex = w0 * c;
@@ -350,7 +350,7 @@ pub(super) fn invert(weights: [f32; 3], bary: [f32; 3]) -> [f32; 2] {
     let ends = max(a + b, TINY * TINY);
     let from_start = late * ((a * (1.0 + early) + b * late) / ends);
     let from_end = early * ((b * (1.0 + late) + a * early) / ends);
-    let eta = if late <= early { from_start } else { 1.0 - from_end };
+    let eta = if from_start <= 0.5 { from_start } else { 1.0 - from_end };
     let at_apex = rest <= 0.0;
     [min(max(xi, 0.0), ONE_MINUS_EPSILON), if at_apex { 0.0 } else { min(max(eta, 0.0), ONE_MINUS_EPSILON) }]
 }
