@@ -1,6 +1,7 @@
 //! Figures as SVG, tables as Markdown.
+#![allow(clippy::disallowed_methods, reason = "lengths on paper")]
 
-use crate::figure::{Contest, Curves};
+use crate::figure::{Contest, Curves, Series};
 use crate::timing::Timed;
 use plotters::coord::Shift;
 use plotters::coord::combinators::LogCoord;
@@ -171,19 +172,25 @@ pub fn curves_table(curves: &Curves) -> String {
     xs.sort_by(f64::total_cmp);
     xs.dedup();
     let shared = curves.series.iter().all(|s| s.points.len() == xs.len());
-    if !shared {
-        // Curves with points of their own: each in its own words.
-        return curves.series.iter().fold(String::new(), |out, s| {
-            let points: Vec<_> =
-                s.points.iter().map(|p| format!("{} at {}", short(p.1), short(p.0))).collect();
-            out + &format!("- {}: {}\n", s.name, points.join(", "))
-        });
-    }
     let mut out =
         format!("| {} | {} |\n|---:|{}\n", curves.x_label, names.join(" | "), "---:|".repeat(names.len()));
-    for (i, x) in xs.iter().enumerate() {
-        let row: Vec<_> = curves.series.iter().map(|s| short(s.points[i].1)).collect();
-        out += &format!("| {} | {} |\n", short(*x), row.join(" | "));
+    if shared {
+        for (i, x) in xs.iter().enumerate() {
+            let row: Vec<_> = curves.series.iter().map(|s| short(s.points[i].1)).collect();
+            out += &format!("| {} | {} |\n", short(*x), row.join(" | "));
+        }
+        return out;
+    }
+    // Curves with points of their own: what each has reached by powers of four.
+    let (least, most) = (xs.first().copied().unwrap_or(1.0), xs.last().copied().unwrap_or(1.0));
+    let mut x = 1.0;
+    while x < 4.0 * most {
+        if x >= least {
+            let reached = |s: &Series| s.points.iter().rfind(|p| p.0 <= x).map_or("".into(), |p| short(p.1));
+            let row: Vec<String> = curves.series.iter().map(reached).collect();
+            out += &format!("| at most {} | {} |\n", short(x), row.join(" | "));
+        }
+        x *= 4.0;
     }
     out
 }
@@ -191,7 +198,7 @@ pub fn curves_table(curves: &Curves) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Contender, Series};
+    use crate::figure::Contender;
     use crate::timing;
 
     fn pretended() -> Contest {

@@ -14,6 +14,9 @@ use std::rc::Rc;
 
 const COUNT: usize = 4096;
 
+/// A sampler over slices.
+type Slices = fn(&[[f32; 3]], &[[f32; 2]], &mut [[f32; 3]]) -> usize;
+
 struct Inputs {
     weights: Vec<[f32; 3]>,
     numbers: Vec<[f32; 2]>,
@@ -132,7 +135,7 @@ pub fn contest() -> Contest {
     let cardano = marginal(&|w, u| f64::from(Cardano.sample(w, u)[1]));
     let cardano_wide = marginal(&|w, u| cardano_f64(w, u)[1]);
     let rounding = 0.5 / 16_777_216.0;
-    let slices = |name: &str, f: fn(&[[f32; 3]], &[[f32; 2]], &mut [[f32; 3]]) -> usize| {
+    let slices = |name: &str, f: Slices| {
         let inputs = inputs.clone();
         let mut out = vec![[0.0; 3]; COUNT];
         let work = move || {

@@ -5,7 +5,7 @@
 //! of them, but leaves the page alone.
 
 use etendue_benches::figure::{Contest, Curves};
-use etendue_benches::{draw, timing};
+use etendue_benches::{bc1, draw, emission, linear_triangle, log_offset, polynomial, subdivide, timing};
 use std::path::Path;
 
 /// Turns that count, and the least time of one contender in a turn \[s\].
@@ -22,7 +22,58 @@ struct Piece {
     curves: fn() -> Vec<Curves>,
 }
 
-const PIECES: &[Piece] = &[];
+fn none() -> Vec<Curves> {
+    Vec::new()
+}
+
+const PIECES: &[Piece] = &[
+    Piece {
+        name: "linear_triangle",
+        heading: "Points of linear density over a triangle",
+        words: "Weights and random numbers are uniform, so the hard cases of ACCURACY.md hardly occur; a NaN counts as an error of \
+                one. Only the published form fails by more than rounding.",
+        contests: || vec![linear_triangle::contest()],
+        curves: none,
+    },
+    Piece {
+        name: "emission",
+        heading: "Mean albedo under a piece of a triangle",
+        words: "What a piece of a lit, textured triangle reflects, against the integral of the renderer's own filter.",
+        contests: emission::contests,
+        curves: none,
+    },
+    Piece {
+        name: "subdivide",
+        heading: "Subdivision of a lit triangle",
+        words: "Relative L2 error of the piecewise-linear irradiance, each method at its best settings: the published rule over all of \
+                91 settings. A sample is a shadow ray. The first table is the price of the rule itself.",
+        contests: || vec![subdivide::contest()],
+        curves: subdivide::curves,
+    },
+    Piece {
+        name: "log_offset",
+        heading: "Numbers to 8 bits",
+        words: "Form factors of an empty box, encoded and decoded; the error is that of the irradiance under twelve lights. Rivals with \
+                16 bits take twice the memory.",
+        contests: || log_offset::contests().into(),
+        curves: || vec![log_offset::widths()],
+    },
+    Piece {
+        name: "bc1",
+        heading: "Blocks of 4x4 texels in 8 bytes",
+        words: "All encoders get the same texels and weigh the channels alike, on one thread. PSNR is 20 log10(255 / error). texpresso never \
+                uses the black entry of three-colour blocks: compare it with the opaque rows.",
+        contests: bc1::contests,
+        curves: none,
+    },
+    Piece {
+        name: "polynomial",
+        heading: "Bounces as a polynomial of a matrix",
+        words: "Sums of powers of a transport operator, as matrices and applied to light; errors against f64.",
+        contests: polynomial::contests,
+        curves: polynomial::curves,
+    },
+];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();

@@ -76,6 +76,14 @@ impl<'a> Exact<'a> {
 
 impl PieceAlbedo for Exact<'_> {
     fn vertex_albedo(&self, uv: [[f32; 2]; 3]) -> VertexAlbedo {
+        // The integral of albedos is no more than the largest of them; rounding along edges may make it so where that is 0.
+        let bound = self.brightest(uv);
+        VertexAlbedo { at: self.unbounded(uv).at.map(|a| a.min(bound)) }
+    }
+}
+
+impl Exact<'_> {
+    fn unbounded(&self, uv: [[f32; 2]; 3]) -> VertexAlbedo {
         let size = self.bitmap.size();
         let sampled = || sample_points(&self.bitmap, uv, DIVISIONS);
         let Some(frame) = Frame::new(size, uv, 0.5) else { return sampled() };
