@@ -150,7 +150,7 @@ pub fn contest() -> Contest {
         single("mixture (Dirichlet)", false, rounding, &inputs, |w, u| Dirichlet.sample(w, u)),
         single("rejection", false, rounding, &inputs, rejection),
         single("robust, one by one", true, robust, &inputs, sample),
-        slices("robust, slices, portable", |w, u, out| sample_slice(w, u, out)),
+        slices("robust, slices, portable", sample_slice),
         slices("robust, slices, AVX2 where it is", etendue_cpu::linear_triangle::sample_slice),
     ];
     Contest {
