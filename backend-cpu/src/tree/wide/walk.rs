@@ -2,6 +2,7 @@
 
 use super::lanes::{BlockHits, Lanes};
 use super::layout::{Block, KIND_SHIFT, LANES, LEAF, Node, PLACE, SHAPE, WIDTH};
+use core::mem::MaybeUninit;
 use etendue_core::geometry::{Hit, PreparedRay, Ray, RoundShape, intersect_shape};
 
 /// Entries of the stack. A tree of depth d needs at most 7 (d - 1) + 8; [`super::build`] sees to it that this is enough.
@@ -32,37 +33,40 @@ fn sort2(a: u64, b: u64) -> (u64, u64) {
     (a.min(b), a.max(b))
 }
 
-/// A stack of fixed size; what does not fit is dropped, which the build rules out.
-struct Stack {
-    entries: [u64; STACK],
+/// A stack of fixed size that is not cleared for every ray; what does not fit is dropped, which the build rules out.
+struct Stack<T> {
+    /// The first `len` are written.
+    entries: [MaybeUninit<T>; STACK],
     len: usize,
 }
 
-impl Stack {
+impl<T: Copy> Stack<T> {
     #[inline(always)]
     fn new() -> Self {
-        Self { entries: [0; STACK], len: 0 }
+        Self { entries: [const { MaybeUninit::uninit() }; STACK], len: 0 }
     }
 
     #[inline(always)]
-    fn push(&mut self, e: u64) {
+    fn push(&mut self, e: T) {
         debug_assert!(self.len < STACK, "the build checks the depth");
         if let Some(slot) = self.entries.get_mut(self.len) {
-            *slot = e;
+            slot.write(e);
             self.len += 1;
         }
     }
 
     #[inline(always)]
-    fn pop(&mut self) -> Option<u64> {
+    fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;
-        self.entries.get(self.len).copied()
+        // SAFETY: `len` counts writes, and it was above this place.
+        #[expect(unsafe_code, reason = "clearing the stack for every ray costs a tenth of its time")]
+        self.entries.get(self.len).map(|e| unsafe { e.assume_init() })
     }
 }
 
 /// The child words and entries of the set bits, nearest returned, the others pushed so that the nearest is on top.
 #[inline(always)]
-fn descend(node: &Node, entries: &[f32; WIDTH], mut mask: u32, stack: &mut Stack) -> u32 {
+fn descend(node: &Node, entries: &[f32; WIDTH], mut mask: u32, stack: &mut Stack<u64>) -> u32 {
     let mut next = || {
         let slot = mask.trailing_zeros() as usize & (WIDTH - 1);
         mask &= mask.wrapping_sub(1);
@@ -97,25 +101,26 @@ fn descend(node: &Node, entries: &[f32; WIDTH], mut mask: u32, stack: &mut Stack
         stack.push(b);
         return a as u32;
     }
-    // More than four: insert each into what the stack holds in falling order.
-    let first = stack.len;
-    for e in [d, c, b, a] {
-        stack.push(e);
-    }
+    // More than four: each is inserted into the sorted list.
+    let mut sorted = [a, b, c, d, 0, 0, 0, 0];
+    let mut count = 4;
     loop {
         let (e, rest) = next();
-        let mut at = stack.len;
-        stack.push(e);
-        while at > first && stack.entries[at - 1] < e {
-            stack.entries[at] = stack.entries[at - 1];
+        let mut at = count & (WIDTH - 1);
+        while at > 0 && sorted[at - 1] > e {
+            sorted[at] = sorted[at - 1];
             at -= 1;
         }
-        stack.entries[at] = e;
+        sorted[at] = e;
+        count += 1;
         if rest == 0 {
             break;
         }
     }
-    stack.pop().map_or(0, |e| e as u32)
+    for e in sorted[1..count.min(WIDTH)].iter().rev() {
+        stack.push(*e);
+    }
+    sorted[0] as u32
 }
 
 /// First block and number of blocks of a leaf word.
@@ -199,8 +204,7 @@ pub(super) fn any<L: Lanes>(view: View<'_>, ray: &Ray) -> bool {
     if !(t_max >= 0.0) {
         return false;
     }
-    let mut stack = [0_u32; STACK];
-    let mut len = 0_usize;
+    let mut stack = Stack::<u32>::new();
     let mut entries = [0.0; WIDTH];
     let mut hits = BlockHits { t: [0.0; LANES], b1: [0.0; LANES], b2: [0.0; LANES] };
     let mut word = view.root;
@@ -215,10 +219,7 @@ pub(super) fn any<L: Lanes>(view: View<'_>, ray: &Ray) -> bool {
                     while mask != 0 {
                         let slot = 31 - mask.leading_zeros() as usize;
                         mask &= !(1 << slot);
-                        if let Some(place) = stack.get_mut(len) {
-                            *place = node.child[slot & (WIDTH - 1)];
-                            len += 1;
-                        }
+                        stack.push(node.child[slot & (WIDTH - 1)]);
                     }
                     word = node.child[first];
                     continue;
@@ -236,11 +237,10 @@ pub(super) fn any<L: Lanes>(view: View<'_>, ray: &Ray) -> bool {
                 }
             }
         }
-        if len == 0 {
-            return false;
+        match stack.pop() {
+            Some(next) => word = next,
+            None => return false,
         }
-        len -= 1;
-        word = stack[len];
     }
 }
 
