@@ -9,6 +9,7 @@ mod convert;
 mod isa;
 mod lanes;
 pub mod layout;
+mod memory;
 mod walk;
 
 use super::packed::build_bvh2_of;
@@ -41,6 +42,8 @@ impl WideTree {
             // As of a long chain of nested boxes: halves by order are never deeper than 28.
             converted = convert(&balanced(primitives, &ids), &ids, primitives);
         }
+        converted.nodes = memory::in_large_pages(converted.nodes);
+        converted.blocks = memory::in_large_pages(converted.blocks);
         Self {
             converted,
             shapes: primitives.shapes.to_vec(),
