@@ -14,4 +14,4 @@ pub use walk::WalkTree;
 pub use wide::{Isa, WideTree, layout};
 
 /// The tree that sessions use.
-pub type Tree = WalkTree;
+pub type Tree = WideTree;
