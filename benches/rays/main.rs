@@ -50,11 +50,11 @@ fn ask_embree(scene: &embree::Scene, set: &Set) -> f64 {
 fn mesh_table(mesh: &Mesh, embree: Option<&Embree>, all: &mut Vec<f64>) {
     let p = mesh.primitives();
     println!("\n{}", mesh.name);
-    let start = Instant::now();
-    let wide = WideTree::build(&p);
+    let (wide, [built, converted]) = WideTree::build_timed(&p);
     println!(
-        "  wide tree built in {:.3} s, {:.1} bytes a triangle, {:?} nodes, blocks, depth",
-        start.elapsed().as_secs_f64(),
+        "  obvhs {:.3} s, conversion {:.3} s, {:.1} bytes a triangle; nodes, blocks, depth {:?}",
+        built.as_secs_f64(),
+        converted.as_secs_f64(),
         wide.bytes() as f64 / p.count() as f64,
         wide.counts()
     );

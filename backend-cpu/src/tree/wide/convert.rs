@@ -4,10 +4,11 @@
 //! its parent: a leaf, one wide node of eight slots, or the two children sharing the slots. A wide node costs its area, a leaf
 //! [`BLOCK_COST`] of its area a block. So leaves and nodes are made together (after Ylitie, Karras and Laine 2017, section 4).
 
-use super::layout::{Block, KIND_SHIFT, LANES, LEAF, Node, SHAPE, WIDTH};
+use super::layout::{Block, KIND_SHIFT, LANES, LEAF, NOTHING, Node, SHAPE, WIDTH};
 use etendue_core::geometry::{Aabb, Primitives};
 use etendue_core::math::Vec3;
 use obvhs::bvh2::Bvh2;
+use rayon::prelude::*;
 
 /// Price of a block of four triangles, in node tests (measured: flat between 0.6 and 2).
 const BLOCK_COST: f32 = 0.8;
@@ -37,9 +38,11 @@ struct Choice {
     left: [u8; WIDTH],
     /// Primitives below; more than a leaf holds counts as that and one more. A shape counts as that too, but for itself.
     count: u32,
+    /// Binary nodes of the subtree.
+    below: u32,
 }
 
-const NO_CHOICE: Choice = Choice { cost: [0.0; WIDTH], left: [0; WIDTH], count: 0 };
+const NO_CHOICE: Choice = Choice { cost: [0.0; WIDTH], left: [0; WIDTH], count: 0, below: 0 };
 
 fn bounds(tree: &Bvh2, node: usize) -> Aabb {
     let b = tree.nodes[node].aabb();
@@ -53,34 +56,43 @@ fn area(b: &Aabb) -> f32 {
     if a < HUGE { a } else { HUGE }
 }
 
-/// Converts; `ids` are the scene's numbers of obvhs's primitives.
+/// Binary nodes in a subtree that one task converts, about.
+const TASK: usize = 1 << 13;
+/// Nodes of one depth that are worth sharing among threads.
+const WORTH_SHARING: usize = 1 << 10;
+
+/// Converts; `ids` are the scene's numbers of obvhs's primitives. The result depends on the tree alone, not on threads.
 pub(super) fn convert(tree: &Bvh2, ids: &[u32], primitives: &Primitives<'_>) -> Converted {
-    let mut this = Converter {
-        tree,
-        ids,
-        primitives,
-        choices: vec![NO_CHOICE; tree.nodes.len()],
-        out: Converted::default(),
-    };
     if tree.nodes.is_empty() {
-        return this.out;
+        return Converted::default();
     }
-    for node in this.children_first() {
-        this.choose(node);
+    let mut choices = vec![NO_CHOICE; tree.nodes.len()];
+    let source = Source { tree, ids, primitives };
+    for level in source.levels().iter().rev() {
+        if level.len() < WORTH_SHARING {
+            for node in level {
+                choices[*node as usize] = source.choose(*node as usize, &choices);
+            }
+        } else {
+            let chosen: Vec<Choice> =
+                level.par_iter().with_min_len(256).map(|n| source.choose(*n as usize, &choices)).collect();
+            for (node, choice) in level.iter().zip(chosen) {
+                choices[*node as usize] = choice;
+            }
+        }
     }
-    this.emit();
-    this.out
+    Plan { source, choices: &choices }.emit()
 }
 
-struct Converter<'a> {
+/// The binary tree with what its primitives are.
+#[derive(Clone, Copy)]
+struct Source<'a> {
     tree: &'a Bvh2,
     ids: &'a [u32],
     primitives: &'a Primitives<'a>,
-    choices: Vec<Choice>,
-    out: Converted,
 }
 
-impl Converter<'_> {
+impl Source<'_> {
     fn children(&self, node: usize) -> Option<[usize; 2]> {
         let n = &self.tree.nodes[node];
         (!n.is_leaf()).then_some([n.first_index as usize, n.first_index as usize + 1])
@@ -91,30 +103,38 @@ impl Converter<'_> {
         self.ids[self.tree.primitive_indices[self.tree.nodes[node].first_index as usize] as usize]
     }
 
-    fn children_first(&self) -> Vec<usize> {
-        let mut order = vec![0];
-        let mut at = 0;
-        while at < order.len() {
-            if let Some(children) = self.children(order[at]) {
-                order.extend(children);
+    /// The nodes of each depth, the root's first.
+    fn levels(&self) -> Vec<Vec<u32>> {
+        let mut levels = vec![vec![0_u32]];
+        while let Some(last) = levels.last() {
+            let next: Vec<u32> = last
+                .iter()
+                .filter_map(|n| self.children(*n as usize))
+                .flat_map(|[l, r]| [l as u32, r as u32])
+                .collect();
+            if next.is_empty() {
+                break;
             }
-            at += 1;
+            levels.push(next);
         }
-        order.reverse();
-        order
+        levels
     }
 
-    fn choose(&mut self, node: usize) {
+    /// The costs of a node, its children's being known.
+    fn choose(&self, node: usize, choices: &[Choice]) -> Choice {
         let area = area(&bounds(self.tree, node));
         let Some([l, r]) = self.children(node) else {
             let shape = self.primitives.shape(self.id(node)).is_some();
             // A shape never shares a leaf.
             let count = if shape { LEAF_MAX + 1 } else { 1 };
-            self.choices[node] = Choice { cost: [area * BLOCK_COST; WIDTH], count, ..NO_CHOICE };
-            return;
+            return Choice { cost: [area * BLOCK_COST; WIDTH], count, below: 1, ..NO_CHOICE };
         };
-        let (l, r) = (self.choices[l], self.choices[r]);
-        let mut c = Choice { count: (l.count + r.count).min(LEAF_MAX + 1), ..NO_CHOICE };
+        let (l, r) = (&choices[l], &choices[r]);
+        let mut c = Choice {
+            count: (l.count + r.count).min(LEAF_MAX + 1),
+            below: 1 + l.below + r.below,
+            ..NO_CHOICE
+        };
         // The best way to share j slots.
         let share = |j: usize| {
             let mut best = (f32::INFINITY, 0_u8);
@@ -140,100 +160,156 @@ impl Converter<'_> {
             (c.cost[j - 1], c.left[j - 1]) =
                 if cost < c.cost[j - 2] { (cost, slots) } else { (c.cost[j - 2], 0) };
         }
-        self.choices[node] = c;
+        c
     }
+}
 
-    /// The binary nodes that become the children of a wide node: `node` given `slots` of them.
-    fn gather(&self, node: usize, slots: usize, out: &mut Vec<usize>) {
-        let mut todo = vec![(node, slots, true)];
-        while let Some((node, slots, top)) = todo.pop() {
-            // The top node is opened with all eight slots, as C(n, 1) has it.
-            let mut j = slots;
+/// The binary tree with the decisions made.
+#[derive(Clone, Copy)]
+struct Plan<'a> {
+    source: Source<'a>,
+    choices: &'a [Choice],
+}
+
+/// A subtree that still has to be emitted: its binary node, where its word goes, and the depth of its first wide node.
+#[derive(Clone, Copy)]
+struct Pending {
+    node: usize,
+    slot: Option<(usize, usize)>,
+    depth: usize,
+}
+
+/// Lists that every emission needs again and again.
+#[derive(Default)]
+struct Scratch {
+    children: Vec<(bool, f32, usize)>,
+    open: Vec<(usize, usize)>,
+    ids: Vec<u32>,
+}
+
+impl Plan<'_> {
+    /// The binary nodes that become the children of the wide node made of `node`: leaves first, then by falling area, since
+    /// the any-hit walk takes slots in order.
+    fn gather(&self, node: usize, scratch: &mut Scratch) {
+        let Scratch { children, open, .. } = scratch;
+        children.clear();
+        open.clear();
+        let share = |node: usize, slots: usize, left: u8, open: &mut Vec<(usize, usize)>| {
+            if let (Some([l, r]), 1..) = (self.source.children(node), left) {
+                open.push((r, slots - usize::from(left)));
+                open.push((l, usize::from(left)));
+                return true;
+            }
+            false
+        };
+        share(node, WIDTH, self.choices[node].left[0], open);
+        while let Some((node, mut slots)) = open.pop() {
             let choice = &self.choices[node];
-            let left = if top {
-                choice.left[0]
-            } else {
-                while j > 1 && choice.left[j - 1] == 0 {
-                    j -= 1;
-                }
-                if j == 1 { 0 } else { choice.left[j - 1] }
-            };
-            match (self.children(node), left) {
-                (Some([l, r]), left) if left > 0 => {
-                    let left = usize::from(left);
-                    todo.push((r, j - left, false));
-                    todo.push((l, left, false));
-                }
-                _ => out.push(node),
+            while slots > 1 && choice.left[slots - 1] == 0 {
+                slots -= 1;
+            }
+            let left = if slots == 1 { 0 } else { choice.left[slots - 1] };
+            if !share(node, slots, left, open) {
+                children.push((!self.is_leaf(node), -area(&bounds(self.source.tree, node)), node));
             }
         }
+        children.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     }
 
     fn is_leaf(&self, node: usize) -> bool {
-        self.children(node).is_none() || self.choices[node].left[0] == 0
+        self.source.children(node).is_none() || self.choices[node].left[0] == 0
     }
 
-    fn leaf_word(&mut self, node: usize) -> u32 {
-        if self.children(node).is_none()
-            && let Some(shape) = self.primitives.shape(self.id(node)).map(|_| self.id(node))
-        {
-            return LEAF | SHAPE << KIND_SHIFT | (shape - self.primitives.triangles.len() as u32);
-        }
-        let mut ids = Vec::with_capacity(LEAF_MAX as usize);
-        let mut todo = vec![node];
-        while let Some(node) = todo.pop() {
-            match self.children(node) {
-                Some([l, r]) => todo.extend([r, l]),
-                None => ids.push(self.id(node)),
+    fn leaf_word(&self, node: usize, scratch: &mut Scratch, blocks: &mut Vec<Block>) -> u32 {
+        let Scratch { open, ids, .. } = scratch;
+        ids.clear();
+        open.clear();
+        open.push((node, 0));
+        while let Some((node, _)) = open.pop() {
+            match self.source.children(node) {
+                Some([l, r]) => open.extend([(r, 0), (l, 0)]),
+                None => ids.push(self.source.id(node)),
             }
         }
-        let first = self.out.blocks.len() as u32;
+        let triangles = self.source.primitives.triangles.len() as u32;
+        if let [only] = ids[..]
+            && only >= triangles
+        {
+            return LEAF | SHAPE << KIND_SHIFT | (only - triangles);
+        }
+        let first = blocks.len() as u32;
         for four in ids.chunks(LANES) {
             let mut block = Block::EMPTY;
             for (lane, id) in four.iter().enumerate() {
-                block.set(lane, *id, self.primitives.vertices(*id).unwrap_or([Vec3::NAN; 3]));
+                let vertices = self.source.primitives.vertices(*id);
+                block.set(lane, *id, vertices.unwrap_or([Vec3::NAN; 3]));
             }
-            self.out.blocks.push(block);
+            blocks.push(block);
         }
-        LEAF | (self.out.blocks.len() as u32 - first - 1) << KIND_SHIFT | first
+        LEAF | (blocks.len() as u32 - first - 1) << KIND_SHIFT | first
     }
 
-    fn emit(&mut self) {
-        if self.is_leaf(0) {
-            self.out.root = self.leaf_word(0);
-            return;
+    /// Emits depth first from `start`; subtrees of at most `small` binary nodes are left to the caller, in order.
+    fn emit_down_to(&self, start: usize, small: usize) -> (Converted, Vec<Pending>) {
+        let mut out = Converted::default();
+        let mut left = Vec::new();
+        let mut scratch = Scratch::default();
+        if self.is_leaf(start) {
+            out.root = self.leaf_word(start, &mut scratch, &mut out.blocks);
+            return (out, left);
         }
-        // (binary node, where its word goes, depth): depth first, so that a subtree lies together.
-        let mut todo: Vec<(usize, Option<(usize, usize)>, usize)> = vec![(0, None, 1)];
-        let mut children = Vec::with_capacity(WIDTH);
-        while let Some((node, slot, depth)) = todo.pop() {
-            let at = self.out.nodes.len();
-            self.out.depth = self.out.depth.max(depth);
-            match slot {
-                Some((parent, slot)) => self.out.nodes[parent].child[slot] = at as u32,
-                None => self.out.root = at as u32,
+        let mut todo = vec![Pending { node: start, slot: None, depth: 1 }];
+        while let Some(p) = todo.pop() {
+            if (self.choices[p.node].below as usize) <= small && p.slot.is_some() {
+                left.push(p);
+                continue;
             }
-            children.clear();
-            self.gather(node, WIDTH, &mut children);
-            // Leaves first, then by falling area: the any-hit walk takes slots in order.
-            let key = |n: &usize| (!self.is_leaf(*n), -area(&bounds(self.tree, *n)));
-            children.sort_by(|a, b| {
-                let (x, y) = (key(a), key(b));
-                x.0.cmp(&y.0).then(x.1.total_cmp(&y.1))
-            });
+            let at = out.nodes.len();
+            out.depth = out.depth.max(p.depth);
+            match p.slot {
+                Some((parent, slot)) => out.nodes[parent].child[slot] = at as u32,
+                None => out.root = at as u32,
+            }
+            self.gather(p.node, &mut scratch);
             let mut wide = Node::EMPTY;
             let pending = todo.len();
-            for (slot, child) in children.iter().enumerate() {
-                wide.set_box(slot, &bounds(self.tree, *child));
-                if self.is_leaf(*child) {
-                    wide.child[slot] = self.leaf_word(*child);
+            let children = core::mem::take(&mut scratch.children);
+            for (slot, (inner, _, child)) in children.iter().enumerate() {
+                wide.set_box(slot, &bounds(self.source.tree, *child));
+                if *inner {
+                    todo.push(Pending { node: *child, slot: Some((at, slot)), depth: p.depth + 1 });
                 } else {
-                    todo.push((*child, Some((at, slot)), depth + 1));
+                    wide.child[slot] = self.leaf_word(*child, &mut scratch, &mut out.blocks);
                 }
             }
+            scratch.children = children;
             // The first one is walked down first.
             todo[pending..].reverse();
-            self.out.nodes.push(wide);
+            out.nodes.push(wide);
         }
+        (out, left)
+    }
+
+    /// The top by itself, subtrees by many threads, joined in the order of the top.
+    fn emit(&self) -> Converted {
+        let (mut out, left) = self.emit_down_to(0, TASK);
+        let parts: Vec<(Pending, Converted)> =
+            left.into_par_iter().map(|p| (p, self.emit_down_to(p.node, 0).0)).collect();
+        for (p, part) in parts {
+            let (nodes, blocks) = (out.nodes.len() as u32, out.blocks.len() as u32);
+            let moved = |word: u32| match word {
+                NOTHING => NOTHING,
+                leaf if leaf & LEAF == 0 => leaf + nodes,
+                leaf if leaf >> KIND_SHIFT & 7 == SHAPE => leaf,
+                leaf => leaf + blocks,
+            };
+            if let Some((parent, slot)) = p.slot {
+                out.nodes[parent].child[slot] = moved(part.root);
+            }
+            out.depth = out.depth.max(p.depth - 1 + part.depth);
+            out.blocks.extend(part.blocks);
+            out.nodes.extend(part.nodes.into_iter().map(|n| Node { child: n.child.map(moved), ..n }));
+        }
+        out
     }
 }

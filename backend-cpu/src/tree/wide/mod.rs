@@ -16,6 +16,7 @@ use super::packed::build_bvh2_of;
 use convert::{Converted, convert};
 use etendue_core::geometry::{Hit, Intersector, Primitives, Ray, RoundShape};
 pub use isa::Isa;
+use std::time::{Duration, Instant};
 use walk::View;
 
 /// A tree of eight-wide nodes. Every walk of it gives the hits of core's brute force, bit for bit.
@@ -30,6 +31,11 @@ pub struct WideTree {
 impl WideTree {
     /// Builds the tree over up to 2^28 primitives, for the widest instruction set of this processor.
     pub fn build(primitives: &Primitives<'_>) -> Self {
+        Self::build_timed(primitives).0
+    }
+
+    /// The same, and how long obvhs and the conversion took.
+    pub fn build_timed(primitives: &Primitives<'_>) -> (Self, [Duration; 2]) {
         // What has an empty box (NaN vertices among them) nothing hits; without it every box is a box.
         let ids: Vec<u32> = (0..primitives.count() as u32)
             .filter(|id| {
@@ -37,19 +43,24 @@ impl WideTree {
                 !b.is_empty()
             })
             .collect();
-        let mut converted = convert(&build_bvh2_of(primitives, &ids), &ids, primitives);
+        let start = Instant::now();
+        let binary = build_bvh2_of(primitives, &ids);
+        let built = start.elapsed();
+        let start = Instant::now();
+        let mut converted = convert(&binary, &ids, primitives);
         if converted.depth > walk::MAX_DEPTH {
             // As of a long chain of nested boxes: halves by order are never deeper than 28.
             converted = convert(&balanced(primitives, &ids), &ids, primitives);
         }
         converted.nodes = memory::in_large_pages(converted.nodes);
         converted.blocks = memory::in_large_pages(converted.blocks);
-        Self {
+        let this = Self {
             converted,
             shapes: primitives.shapes.to_vec(),
             first_shape: primitives.triangles.len() as u32,
             isa: Isa::widest(),
-        }
+        };
+        (this, [built, start.elapsed()])
     }
 
     /// The same tree, walked in another instruction set; the widest of the processor where that one is not there.
