@@ -43,6 +43,12 @@ pub(crate) fn has_avx2() -> bool {
         && std::is_x86_feature_detected!("popcnt")
 }
 
+/// Whether the processor has what [`widest`] compiles for: not on this architecture.
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn has_avx2() -> bool {
+    false
+}
+
 #[cfg(test)]
 mod tests {
     widest! {

@@ -7,9 +7,11 @@
 mod obvhs_walk;
 mod packed;
 mod walk;
+mod wide;
 
 pub use obvhs_walk::{Bvh2Tree, CwbvhTree};
 pub use walk::WalkTree;
+pub use wide::{Isa, WideTree, layout};
 
 /// The tree that sessions use.
-pub type Tree = WalkTree;
+pub type Tree = WideTree;

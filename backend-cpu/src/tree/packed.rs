@@ -69,6 +69,14 @@ pub(super) fn build_bvh2(primitives: &Primitives<'_>, per_leaf: u32) -> obvhs::b
     obvhs::bvh2::builder::build_bvh2(&bounds, config, &mut time)
 }
 
+/// The same over some of the primitives, one to a leaf.
+pub(super) fn build_bvh2_of(primitives: &Primitives<'_>, ids: &[u32]) -> obvhs::bvh2::Bvh2 {
+    let bounds: Vec<Bounds> = ids.iter().map(|id| Bounds(primitives.bounds(*id))).collect();
+    let config = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
+    let mut time = core::time::Duration::default();
+    obvhs::bvh2::builder::build_bvh2(&bounds, config, &mut time)
+}
+
 /// Builds obvhs's eight-wide compressed tree with its medium settings.
 pub(super) fn build_cwbvh(primitives: &Primitives<'_>) -> obvhs::cwbvh::CwBvh {
     let bounds: Vec<Bounds> =

@@ -1,0 +1,138 @@
+//! The eight-wide tree: obvhs builds a binary tree, [`convert`] makes nodes of eight boxes and leaf blocks of four
+//! triangles of it, and a walk in the widest instruction set at hand asks them.
+//!
+//! Node and block layouts are those of [`layout`]: also what a GPU reads.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod convert;
+mod isa;
+mod lanes;
+pub mod layout;
+mod memory;
+mod walk;
+
+use super::packed::build_bvh2_of;
+use convert::{Converted, convert};
+use etendue_core::geometry::{Hit, Intersector, Primitives, Ray, RoundShape};
+pub use isa::Isa;
+use std::time::{Duration, Instant};
+use walk::View;
+
+/// A tree of eight-wide nodes. Every walk of it gives the hits of core's brute force, bit for bit.
+#[derive(Clone, Debug)]
+pub struct WideTree {
+    converted: Converted,
+    shapes: Vec<RoundShape>,
+    first_shape: u32,
+    isa: Isa,
+}
+
+impl WideTree {
+    /// Builds the tree over up to 2^28 primitives, for the widest instruction set of this processor.
+    pub fn build(primitives: &Primitives<'_>) -> Self {
+        Self::build_timed(primitives).0
+    }
+
+    /// The same, and how long obvhs and the conversion took.
+    pub fn build_timed(primitives: &Primitives<'_>) -> (Self, [Duration; 2]) {
+        // What has an empty box (NaN vertices among them) nothing hits; without it every box is a box.
+        let ids: Vec<u32> = (0..primitives.count() as u32)
+            .filter(|id| {
+                let b = primitives.bounds(*id);
+                !b.is_empty()
+            })
+            .collect();
+        let start = Instant::now();
+        let binary = build_bvh2_of(primitives, &ids);
+        let built = start.elapsed();
+        let start = Instant::now();
+        let mut converted = convert(&binary, &ids, primitives);
+        if converted.depth > walk::MAX_DEPTH {
+            // As of a long chain of nested boxes: halves by order are never deeper than 28.
+            converted = convert(&balanced(primitives, &ids), &ids, primitives);
+        }
+        converted.nodes = memory::in_large_pages(converted.nodes);
+        converted.blocks = memory::in_large_pages(converted.blocks);
+        let this = Self {
+            converted,
+            shapes: primitives.shapes.to_vec(),
+            first_shape: primitives.triangles.len() as u32,
+            isa: Isa::widest(),
+        };
+        (this, [built, start.elapsed()])
+    }
+
+    /// The same tree, walked in another instruction set; the widest of the processor where that one is not there.
+    #[must_use]
+    pub fn with_isa(mut self, isa: Isa) -> Self {
+        self.isa = if isa.is_here() { isa } else { Isa::widest() };
+        self
+    }
+
+    /// The instruction set of its walks.
+    pub fn isa(&self) -> Isa {
+        self.isa
+    }
+
+    /// Bytes of nodes and blocks.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.converted.nodes) + size_of_val(&*self.converted.blocks)
+    }
+
+    /// Number of nodes, of blocks, and depth in nodes.
+    pub fn counts(&self) -> (usize, usize, usize) {
+        (self.converted.nodes.len(), self.converted.blocks.len(), self.converted.depth)
+    }
+
+    #[inline(always)]
+    fn view(&self) -> View<'_> {
+        View {
+            nodes: &self.converted.nodes,
+            blocks: &self.converted.blocks,
+            shapes: &self.shapes,
+            first_shape: self.first_shape,
+            root: self.converted.root,
+        }
+    }
+}
+
+/// Halves by order, whatever the boxes are.
+fn balanced(primitives: &Primitives<'_>, ids: &[u32]) -> obvhs::bvh2::Bvh2 {
+    use obvhs::bvh2::node::Bvh2Node;
+    let mut tree =
+        obvhs::bvh2::Bvh2 { primitive_indices: (0..ids.len() as u32).collect(), ..Default::default() };
+    let bounds = |first: usize, count: usize| {
+        let all = ids[first..first + count].iter().map(|id| primitives.bounds(*id));
+        let b = all.fold(etendue_core::geometry::Aabb::EMPTY, |a, b| a.union(b));
+        obvhs::aabb::Aabb::new(b.lo.into(), b.hi.into())
+    };
+    let mut todo = vec![(0_usize, 0_usize, ids.len())];
+    tree.nodes.push(Bvh2Node::new(bounds(0, ids.len()), 0, 0));
+    while let Some((node, first, count)) = todo.pop() {
+        if count == 1 {
+            tree.nodes[node] = Bvh2Node::new(bounds(first, 1), 1, first as u32);
+            continue;
+        }
+        let half = count / 2;
+        let child = tree.nodes.len();
+        tree.nodes[node] = Bvh2Node::new(bounds(first, count), 0, child as u32);
+        for (at, first, count) in [(child, first, half), (child + 1, first + half, count - half)] {
+            tree.nodes.push(Bvh2Node::new(bounds(first, count), 0, 0));
+            todo.push((at, first, count));
+        }
+    }
+    tree
+}
+
+impl Intersector for WideTree {
+    #[inline]
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        isa::closest(self.isa, self.view(), ray)
+    }
+
+    #[inline]
+    fn occluded(&self, ray: &Ray) -> bool {
+        isa::any(self.isa, self.view(), ray)
+    }
+}

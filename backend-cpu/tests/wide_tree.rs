@@ -1,0 +1,177 @@
+//! The wide tree against brute force, ray by ray and bit by bit, in every instruction set of this machine.
+
+use etendue_core::geometry::{BruteForce, Hit, Intersector, Primitives, Ray, RoundShape};
+use etendue_core::math::Vec3;
+use etendue_cpu::tree::{Isa, WideTree};
+
+/// Weyl sequence with the finaliser of splitmix64.
+struct Random(u64);
+
+impl Random {
+    fn word(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+    fn below(&mut self, n: u64) -> u64 {
+        self.word() % n
+    }
+    /// In [-1, 1].
+    fn signed(&mut self) -> f32 {
+        (self.word() >> 40) as f32 / 8_388_608.0 - 1.0
+    }
+    fn vec3(&mut self) -> Vec3 {
+        Vec3::new(self.signed(), self.signed(), self.signed())
+    }
+}
+
+fn sets() -> Vec<Isa> {
+    [Isa::Portable, Isa::Avx2].into_iter().filter(|i| i.is_here()).collect()
+}
+
+struct Soup {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    shapes: Vec<RoundShape>,
+}
+
+impl Soup {
+    fn primitives(&self) -> Primitives<'_> {
+        Primitives { positions: &self.positions, triangles: &self.triangles, shapes: &self.shapes }
+    }
+}
+
+/// Triangles of every kind: ordinary, on a coarse grid (shared edges, coincident ones), degenerate, huge, tiny, far away.
+fn soup(r: &mut Random) -> Soup {
+    let n = 1 + r.below(150) as usize;
+    let kind = r.below(6);
+    let mut positions = Vec::new();
+    for _ in 0..3 * n {
+        let p = match kind {
+            0 => r.vec3(),
+            1 => Vec3::new(r.below(4) as f32, r.below(4) as f32, r.below(3) as f32),
+            2 => r.vec3() * [1e-20, 1e-3, 1.0, 1e6, 1e15][r.below(5) as usize],
+            3 => r.vec3() * 1e-2 + Vec3::new(1000.0, 500.0, -300.0),
+            4 => Vec3::new(r.below(3) as f32, 0.0, r.below(3) as f32),
+            _ => r.vec3() * 4.0,
+        };
+        positions.push(p.to_array());
+    }
+    if kind == 5 {
+        // Some that no box holds.
+        positions[0][1] = f32::NAN;
+        positions[n][0] = f32::INFINITY;
+    }
+    let vertex = |r: &mut Random| r.below(3 * n as u64) as u32;
+    let triangles = (0..n as u32)
+        .map(|i| match r.below(8) {
+            0 => [vertex(r), vertex(r), vertex(r)],
+            1 if i > 0 => [3 * i - 3, 3 * i - 2, 3 * i - 1],
+            2 if r.below(8) == 0 => [u32::MAX, 0, 1],
+            _ => [3 * i, 3 * i + 1, 3 * i + 2],
+        })
+        .collect();
+    let shapes = (0..r.below(4))
+        .map(|i| {
+            let centre = r.vec3().to_array();
+            if i % 2 == 0 {
+                RoundShape::sphere(centre, 0.3)
+            } else {
+                RoundShape::disk(centre, [0.0, 0.0, 1.0], 0.5)
+            }
+        })
+        .collect();
+    Soup { positions, triangles, shapes }
+}
+
+fn ray(r: &mut Random, s: &Soup) -> Ray {
+    let vertex = |r: &mut Random| Vec3::from_array(s.positions[r.below(s.positions.len() as u64) as usize]);
+    let origin = match r.below(4) {
+        0 => r.vec3() * 3.0,
+        1 => vertex(r),
+        2 => Vec3::new(r.below(5) as f32 - 1.0, r.below(5) as f32 - 1.0, r.below(5) as f32 - 1.0),
+        _ => vertex(r) + r.vec3() * 5.0,
+    };
+    let direction = match r.below(5) {
+        0 => vertex(r) - origin,
+        1 => [Vec3::X, Vec3::NEG_Y, Vec3::Z][r.below(3) as usize],
+        2 => 0.5 * (vertex(r) + vertex(r)) - origin,
+        3 => Vec3::new(r.signed(), 0.0, r.signed()),
+        _ => r.vec3(),
+    };
+    let kinds = if r.below(4) == 0 { 6 } else { 2 };
+    let t_max = [f32::INFINITY, 1.0, 0.0, 2.5, -1.0, f32::NAN][r.below(kinds) as usize];
+    Ray { origin, direction, t_max }
+}
+
+fn bits(h: Option<Hit>) -> Option<[u32; 4]> {
+    h.map(|h| [h.t.to_bits(), h.primitive, h.b1.to_bits(), h.b2.to_bits()])
+}
+
+fn compare(seed: u64, soups: u32, rays: u32) {
+    let mut r = Random(seed);
+    let mut hits = 0;
+    for k in 0..soups {
+        let s = soup(&mut r);
+        let oracle = BruteForce { primitives: s.primitives() };
+        let trees: Vec<WideTree> =
+            sets().into_iter().map(|i| WideTree::build(&s.primitives()).with_isa(i)).collect();
+        for _ in 0..rays {
+            let ray = ray(&mut r, &s);
+            let expected = oracle.closest_hit(&ray);
+            hits += u32::from(expected.is_some());
+            for tree in &trees {
+                let found = tree.closest_hit(&ray);
+                assert_eq!(bits(found), bits(expected), "soup {k} of seed {seed}, {:?}: {ray:?}", tree.isa());
+                assert_eq!(tree.occluded(&ray), expected.is_some(), "soup {k}, {:?}: {ray:?}", tree.isa());
+            }
+        }
+    }
+    assert!(hits > soups * rays / 20, "too few rays hit anything: {hits}");
+}
+
+#[test]
+fn every_walk_agrees_with_brute_force() {
+    compare(1, 300, 200);
+}
+
+#[test]
+#[ignore = "a minute: cargo nextest run -p etendue-cpu --run-ignored only every_walk_agrees_with_brute_force_at_length"]
+fn every_walk_agrees_with_brute_force_at_length() {
+    for seed in 2..42 {
+        compare(seed, 1000, 300);
+    }
+}
+
+#[test]
+fn an_empty_scene_is_missed() {
+    let s = Soup { positions: vec![], triangles: vec![], shapes: vec![] };
+    let tree = WideTree::build(&s.primitives());
+    let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: f32::INFINITY };
+    assert!(tree.closest_hit(&ray).is_none() && !tree.occluded(&ray));
+}
+
+/// Nested boxes on one centre give a binary tree that is a chain; coincident triangles give no order at all.
+#[test]
+fn chains_and_heaps_stay_within_the_stack() {
+    let mut positions = Vec::new();
+    for k in 0..3000 {
+        let x = 1.0 + k as f32 * 0.37;
+        positions.extend([[-x, -x, 0.0], [x, -x, 0.0], [0.0, x, 0.0]]);
+    }
+    positions.extend([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]].repeat(3000));
+    let triangles = (0..6000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let s = Soup { positions, triangles, shapes: vec![] };
+    let oracle = BruteForce { primitives: s.primitives() };
+    for isa in sets() {
+        let tree = WideTree::build(&s.primitives()).with_isa(isa);
+        let mut r = Random(7);
+        for _ in 0..300 {
+            let ray = Ray { origin: r.vec3() * 40.0, direction: r.vec3(), t_max: f32::INFINITY };
+            assert_eq!(bits(tree.closest_hit(&ray)), bits(oracle.closest_hit(&ray)));
+            assert_eq!(tree.occluded(&ray), oracle.occluded(&ray));
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Rays per second of every tree, of Embree where it is at hand, and of the whole path tracer.
+//!
+//! `ETENDUE_EMBREE=libembree4.so cargo bench --bench rays -- [SCENE.toml]`: all contenders take turns within one run;
+//! ratios are medians over the turns, so that a machine's drift hits all alike. Without a scene: two rooms with bumpy balls
+//! (69 000 and 995 000 triangles), and the path tracer on the colonnade. One thread.
+#![allow(missing_docs, clippy::disallowed_methods, reason = "a program that prints, no library")]
+
+mod embree;
+mod paths;
+mod sets;
+
+use embree::Embree;
+use etendue::core::geometry::{Intersector, Ray};
+use etendue::core::math::Vec3;
+use etendue::core::scene::{CompiledScene, compile};
+use etendue::cpu::tree::{CwbvhTree, WalkTree, WideTree};
+use etendue::io::load_scene;
+use sets::{Mesh, Set};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+pub(crate) const TURNS: usize = 7;
+
+pub(crate) fn seconds(work: impl FnOnce() -> f64) -> f64 {
+    let start = Instant::now();
+    std::hint::black_box(work());
+    start.elapsed().as_secs_f64()
+}
+
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut v: Vec<f64> = values.into_iter().collect();
+    v.sort_by(f64::total_cmp);
+    v[v.len() / 2]
+}
+
+/// Answers a set; the sum keeps the work from being optimised away.
+fn ask<T: Intersector>(tree: &T, set: &Set) -> f64 {
+    let closest = |r: &Ray| tree.closest_hit(r).map_or(0.0, |h| f64::from(h.t.min(1e3)));
+    let any = |r: &Ray| f64::from(u8::from(tree.occluded(r)));
+    if set.closest { set.rays.iter().map(closest).sum() } else { set.rays.iter().map(any).sum() }
+}
+
+fn ask_embree(scene: &embree::Scene, set: &Set) -> f64 {
+    let closest = |r: &Ray| scene.closest(r).map_or(0.0, |t| f64::from(t.min(1e3)));
+    let any = |r: &Ray| f64::from(u8::from(scene.occluded(r)));
+    if set.closest { set.rays.iter().map(closest).sum() } else { set.rays.iter().map(any).sum() }
+}
+
+/// All trees on one mesh: a row a contender, a column a set, each cell the ratio to the first contender.
+fn mesh_table(mesh: &Mesh, embree: Option<&Embree>, all: &mut Vec<f64>) {
+    let p = mesh.primitives();
+    println!("\n{}", mesh.name);
+    let (wide, [built, converted]) = WideTree::build_timed(&p);
+    println!(
+        "  obvhs {:.3} s, conversion {:.3} s, {:.1} bytes a triangle; nodes, blocks, depth {:?}",
+        built.as_secs_f64(),
+        converted.as_secs_f64(),
+        wide.bytes() as f64 / p.count() as f64,
+        wide.counts()
+    );
+    let cwbvh = CwbvhTree::build(&p);
+    let walk = WalkTree::build(&p);
+    let rivals: Vec<embree::Scene> =
+        embree.map(|e| vec![e.scene(&p, false), e.scene(&p, true)]).unwrap_or_default();
+    let sets = sets::sets(mesh, &wide);
+    let mut contenders: Vec<(&str, Box<dyn Fn(&Set) -> f64 + '_>)> = Vec::new();
+    for (name, scene) in ["Embree", "Embree robust"].iter().zip(&rivals) {
+        contenders.push((name, Box::new(move |s| ask_embree(scene, s))));
+    }
+    contenders.push(("obvhs cwbvh", Box::new(|s| ask(&cwbvh, s))));
+    contenders.push(("binary walk", Box::new(|s| ask(&walk, s))));
+    contenders.push(("wide", Box::new(|s| ask(&wide, s))));
+    let mut cells = vec![vec![Vec::new(); sets.len()]; contenders.len()];
+    for turn in 0..=TURNS {
+        for (column, set) in sets.iter().enumerate() {
+            for (row, (_, work)) in contenders.iter().enumerate() {
+                work(set);
+                let s = seconds(|| work(set));
+                if turn > 0 {
+                    cells[row][column].push(set.rays.len() as f64 * 1e-6 / s);
+                }
+            }
+        }
+    }
+    println!(
+        "  {:<16}{}",
+        "M rays/s (ratio)",
+        sets.iter().map(|s| format!("{:>18}", s.name)).collect::<String>()
+    );
+    for (row, (name, _)) in contenders.iter().enumerate() {
+        let mut line = format!("  {name:<16}");
+        for column in 0..sets.len() {
+            let rate = median(cells[row][column].iter().copied());
+            let ratio = median(cells[row][column].iter().zip(&cells[0][column]).map(|(a, b)| a / b));
+            line += &format!("{rate:>10.2} ({ratio:>5.2})");
+            if *name == "wide" {
+                all.push(ratio);
+            }
+        }
+        println!("{line}");
+    }
+    for set in &sets {
+        let hits = |work: &dyn Fn(&Ray) -> bool| set.rays.iter().filter(|r| work(r)).count();
+        let mut line = format!("  {} rays, hits: wide {}", set.rays.len(), hits(&|r| wide.occluded(r)));
+        if let Some(e) = rivals.first() {
+            line += &format!(", Embree {}", hits(&|r| e.occluded(r)));
+        }
+        println!("{line} ({})", set.name);
+    }
+}
+
+fn mesh_of(scene: &CompiledScene, name: &Path) -> Mesh {
+    let p = scene.primitives();
+    let camera = scene.camera.expect("the bench needs a camera");
+    let axis = camera.sample_ray(camera.width / 2, camera.height / 2, [0.5; 2], [0.5; 2]);
+    let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for x in p.positions {
+        (lo, hi) = (lo.min(Vec3::from_array(*x)), hi.max(Vec3::from_array(*x)));
+    }
+    let d = hi - lo;
+    // A lamp above the middle of the scene.
+    let corner = Vec3::new(lo.x + 0.4 * d.x, hi.y + 0.05 * d.y, lo.z + 0.4 * d.z);
+    Mesh {
+        name: format!("{}, {} triangles", name.display(), p.triangles.len()),
+        positions: p.positions.to_vec(),
+        triangles: p.triangles.to_vec(),
+        eye: axis.origin,
+        target: axis.origin + axis.direction,
+        lamp: [corner, Vec3::new(0.2 * d.x, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.2 * d.z)],
+        short: 1.5,
+    }
+}
+
+fn load(file: &Path) -> CompiledScene {
+    let loaded = load_scene(file).unwrap_or_else(|e| panic!("{e}"));
+    compile(&loaded.desc).unwrap_or_else(|e| panic!("{e}")).0
+}
+
+fn main() {
+    let asked = std::env::args().skip(1).find(|a| !a.starts_with('-')).map(PathBuf::from);
+    let embree = Embree::open();
+    if embree.is_none() {
+        println!(
+            "no Embree: set ETENDUE_EMBREE to the path of libembree4.so to have it among the contenders"
+        );
+    }
+    let mut all = Vec::new();
+    if let Some(file) = &asked {
+        mesh_table(&mesh_of(&load(file), file), embree.as_ref(), &mut all);
+    } else {
+        mesh_table(&Mesh::room(38), embree.as_ref(), &mut all);
+        mesh_table(&Mesh::room(144), embree.as_ref(), &mut all);
+    }
+    let geometric = (all.iter().map(|x| x.ln()).sum::<f64>() / all.len() as f64).exp();
+    let worst = all.iter().copied().fold(f64::INFINITY, f64::min);
+    println!("\nwide over the first contender: geometric mean {geometric:.3}, worst cell {worst:.3}");
+    let colonnade = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/colonnade/colonnade.toml");
+    paths::table(&asked.unwrap_or_else(|| colonnade.into()));
+}
