@@ -46,6 +46,9 @@ fn ask_embree(scene: &embree::Scene, set: &Set) -> f64 {
     if set.closest { set.rays.iter().map(closest).sum() } else { set.rays.iter().map(any).sum() }
 }
 
+/// Answers a set in one way.
+type Work<'a> = Box<dyn Fn(&Set) -> f64 + 'a>;
+
 /// All trees on one mesh: a row a contender, a column a set, each cell the ratio to the first contender.
 fn mesh_table(mesh: &Mesh, embree: Option<&Embree>, all: &mut Vec<f64>) {
     let p = mesh.primitives();
@@ -63,7 +66,7 @@ fn mesh_table(mesh: &Mesh, embree: Option<&Embree>, all: &mut Vec<f64>) {
     let rivals: Vec<embree::Scene> =
         embree.map(|e| vec![e.scene(&p, false), e.scene(&p, true)]).unwrap_or_default();
     let sets = sets::sets(mesh, &wide);
-    let mut contenders: Vec<(&str, Box<dyn Fn(&Set) -> f64 + '_>)> = Vec::new();
+    let mut contenders: Vec<(&str, Work<'_>)> = Vec::new();
     for (name, scene) in ["Embree", "Embree robust"].iter().zip(&rivals) {
         contenders.push((name, Box::new(move |s| ask_embree(scene, s))));
     }
@@ -89,9 +92,9 @@ fn mesh_table(mesh: &Mesh, embree: Option<&Embree>, all: &mut Vec<f64>) {
     );
     for (row, (name, _)) in contenders.iter().enumerate() {
         let mut line = format!("  {name:<16}");
-        for column in 0..sets.len() {
-            let rate = median(cells[row][column].iter().copied());
-            let ratio = median(cells[row][column].iter().zip(&cells[0][column]).map(|(a, b)| a / b));
+        for (mine, first) in cells[row].iter().zip(&cells[0]) {
+            let rate = median(mine.iter().copied());
+            let ratio = median(mine.iter().zip(first).map(|(a, b)| a / b));
             line += &format!("{rate:>10.2} ({ratio:>5.2})");
             if *name == "wide" {
                 all.push(ratio);

@@ -1,6 +1,8 @@
-//! Trees over a scene's primitives. obvhs builds them; three ways of walking are kept and measured against each other
-//! (`cargo bench -p etendue-cpu --bench rays`): obvhs's own binary and eight-wide walks, and [`WalkTree`], which walks
-//! obvhs's binary tree with core's conservative node test and therefore loses no ray at edges and vertices.
+//! Trees over a scene's primitives. obvhs builds them; sessions walk [`WideTree`], eight boxes at a time.
+//!
+//! Kept beside it and measured against it (`cargo bench --bench rays`): [`WalkTree`], obvhs's binary tree walked with core's
+//! conservative node test, the scalar reference; and obvhs's own binary and eight-wide walks, which lose about one ray in a
+//! million at edges and vertices.
 //!
 //! All leaves are tested by core's triangle test, so what differs between trees is only which leaves are reached.
 

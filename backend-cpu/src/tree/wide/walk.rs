@@ -141,7 +141,7 @@ pub(super) fn closest<L: Lanes>(view: View<'_>, ray: &Ray) -> Option<Hit> {
     let lanes = L::new(&prepared);
     let mut best: Option<Hit> = None;
     let mut t_max = ray.t_max;
-    if !(t_max >= 0.0) {
+    if t_max.is_nan() || t_max < 0.0 {
         return None;
     }
     let mut stack = Stack::new();
@@ -201,7 +201,7 @@ pub(super) fn any<L: Lanes>(view: View<'_>, ray: &Ray) -> bool {
     let prepared = PreparedRay::new(ray);
     let lanes = L::new(&prepared);
     let t_max = ray.t_max;
-    if !(t_max >= 0.0) {
+    if t_max.is_nan() || t_max < 0.0 {
         return false;
     }
     let mut stack = Stack::<u32>::new();
