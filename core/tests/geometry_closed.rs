@@ -1,9 +1,9 @@
 //! Closed meshes and rays from within them, for every tree: aimed at vertices, at edges, along axes and anywhere.
-#![allow(dead_code, unreachable_pub, reason = "each test uses a part; by itself it is an empty test")]
+#![allow(dead_code, reason = "each test uses a part; by itself it is an empty test")]
 #![allow(clippy::disallowed_methods, reason = "set-up in f64")]
 
 #[path = "geometry_support.rs"]
-pub mod support;
+pub(crate) mod support;
 
 use etendue_core::geometry::{Intersector, Primitives, Ray};
 use etendue_core::math::Vec3;
@@ -11,7 +11,7 @@ use support::{Mesh, Random, ball, box_grid, ray};
 
 /// What a ray is aimed at.
 #[derive(Clone, Copy, Debug)]
-pub enum Aim {
+pub(crate) enum Aim {
     Vertex,
     Edge,
     Anywhere,
@@ -56,7 +56,7 @@ fn aimed(mesh: &Mesh, center: Vec3, inside: f32, aim: Aim, random: &mut Random) 
 }
 
 /// How many rays of a kind get out of a closed mesh.
-pub fn misses(
+pub(crate) fn misses(
     mesh: &Mesh,
     tracer: &dyn Intersector,
     center: Vec3,
@@ -76,11 +76,11 @@ pub fn misses(
         .count()
 }
 
-pub const AIMS: [Aim; 5] = [Aim::Vertex, Aim::Edge, Aim::Anywhere, Aim::AxisVertex, Aim::GridPlane];
+pub(crate) const AIMS: [Aim; 5] = [Aim::Vertex, Aim::Edge, Aim::Anywhere, Aim::AxisVertex, Aim::GridPlane];
 
 /// Shoots `rays` rays of each kind from within each closed mesh at the tree that `build` makes of it, and panics if one gets
 /// out.
-pub fn hold(
+pub(crate) fn hold(
     levels: u32,
     grid: i32,
     rays: usize,
