@@ -68,9 +68,8 @@ pub fn emission(bytes: &[u8]) {
         }
         // Halves, where the middle is exact: the mean of the two is the whole's.
         let m = middle(uv[0], uv[1]);
-        let fits = [0, 1].iter().all(|k| {
-            f64::from(m[*k]) == 0.5 * (f64::from(uv[0][*k]) + f64::from(uv[1][*k]))
-        });
+        let fits =
+            [0, 1].iter().all(|k| f64::from(m[*k]) == 0.5 * (f64::from(uv[0][*k]) + f64::from(uv[1][*k])));
         let halves = [[uv[0], m, uv[2]], [m, uv[1], uv[2]]].map(|h| scan(&bitmap, h, 4096.0));
         if let (true, [Some(a), Some(b)]) = (fits, halves) {
             let error = (0.5 * (a.mean() + b.mean()) - cells.mean()).abs().max_element();
@@ -80,7 +79,8 @@ pub fn emission(bytes: &[u8]) {
     let cell = overlap_unit(uv);
     assert!((0.0..=1.0).contains(&cell.share) && cell.bary.iter().all(|b| (0.0..=1.0).contains(b)));
 
-    let v = |k: usize| Vec3::new(float(numbers, k, raw), float(numbers, k + 1, raw), float(numbers, k + 2, raw));
+    let v =
+        |k: usize| Vec3::new(float(numbers, k, raw), float(numbers, k + 1, raw), float(numbers, k + 2, raw));
     let corners = [v(6), v(9), v(12)];
     let area = piece_area(corners);
     assert!((0.0..=f32::MAX).contains(&area), "{corners:?}: {area}");
@@ -113,7 +113,9 @@ pub fn emission(bytes: &[u8]) {
     if kept {
         let density = table.density().expect("weights");
         let mean: f64 = (0..table.len() as u32)
-            .map(|i| density.count(i) as f64 / 4_294_967_296.0 * f64::from(table.start_flux(i, density.pmf(i)).x))
+            .map(|i| {
+                density.count(i) as f64 / 4_294_967_296.0 * f64::from(table.start_flux(i, density.pmf(i)).x)
+            })
             .sum();
         let total = table.sum().flux_f64()[0];
         if total < 1e37 {
