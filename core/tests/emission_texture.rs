@@ -6,7 +6,7 @@
 mod support;
 
 use etendue_core::direct::emission::{
-    Bitmap, BitmapError, Exact, MAX_SIDE, PieceAlbedo, Published, Pyramid, RowSums, VertexAlbedo,
+    Bitmap, BitmapError, Exact, MAX_SIDE, PieceAlbedo, Published, Pyramid, RowSums, Texels, VertexAlbedo,
     brightest_in, overlap_unit, sample_points, scan, scan_texels,
 };
 use etendue_core::math::Vec3;
@@ -59,6 +59,39 @@ fn scans_are_the_integrals() {
         }
     }
     println!("scan: worst {:.2e}, of constant texels: {:.2e}", worst[0], worst[1]);
+}
+
+/// Longest edge over least height of a piece over the texels.
+fn thinness(uv: [[f32; 2]; 3], image: &Image) -> f64 {
+    let size = image.bitmap().size().map(f64::from);
+    let p = uv.map(|p| [0, 1].map(|k| f64::from(p[k]) * size[k]));
+    let edge = |i: usize, j: usize| [0, 1].map(|k| p[j][k] - p[i][k]);
+    let (e, f, g) = (edge(0, 1), edge(0, 2), edge(1, 2));
+    let longest = [e, f, g].iter().map(|d| d[0] * d[0] + d[1] * d[1]).fold(0.0, f64::max);
+    longest / (e[0] * f[1] - e[1] * f[0]).abs()
+}
+
+/// A sliver of hundreds of texels' length is as wide as the rounding of its ends makes it: the stated second term.
+#[test]
+fn slivers_are_known_to_the_rounding_of_their_coordinates() {
+    let g = Counter::new(47);
+    let (mut most, mut used) = (0.0_f64, 0);
+    for (i, image) in images().iter().enumerate().skip(1) {
+        for n in 0..20_u32 {
+            let r = |k: u32| g.unit(i as u32, n, k);
+            let (length, width) = (3.0 + 20.0 * r(0), 0.02 + 0.4 * r(1));
+            let turn = |x: f32, y: f32| [0.3 + 0.8 * x - 0.6 * y, 0.2 + 0.6 * x + 0.8 * y];
+            let uv = [turn(0.0, 0.0), turn(length, 0.0), turn(r(2) * length, width)];
+            let Some(got) = scan(&image.bitmap(), uv, ALL) else { continue };
+            let bound = 2.0_f64.powi(-20) + 2.0_f64.powi(-20) * thinness(uv, image);
+            let err = error(&got, image.truth(uv, true));
+            assert!(err <= bound, "image {i} {uv:?}: {err:e}, bound {bound:e}");
+            most = most.max(err / bound);
+            used += 1;
+        }
+    }
+    println!("slivers: worst {most:.2} of the bound, {used} pieces");
+    assert!(used > 100);
 }
 
 #[test]

@@ -11,14 +11,14 @@ mod parsers;
 mod polynomial;
 mod subdivide;
 
-pub use kernels::{discrete, geometry, warps};
 pub use bc1::bc1;
 pub use emission::emission;
+pub use kernels::{discrete, geometry, warps};
 pub use linear_triangle::linear_triangle;
 pub use log_offset::log_offset;
+pub use parsers::{exr, mtl, obj, ply, points, scene};
 pub use polynomial::polynomial;
 pub use subdivide::subdivide;
-pub use parsers::{exr, mtl, obj, ply, points, scene};
 
 /// A target: its name and what it does with one input.
 pub type Target = (&'static str, fn(&[u8]));

@@ -67,7 +67,8 @@ fn anything(input: &mut Floats<'_>, n: usize, k: u32) {
     for o in operators.into_iter().flatten() {
         let (mut y, mut y3) = (vec![1.0; n], vec![[1.0; 3]; n]);
         o.apply(&x, &mut y).expect("lengths agree");
-        o.apply_rgb(&x.iter().map(|x| [*x, 0.5 * x, *x]).collect::<Vec<_>>(), &mut y3).expect("lengths agree");
+        o.apply_rgb(&x.iter().map(|x| [*x, 0.5 * x, *x]).collect::<Vec<_>>(), &mut y3)
+            .expect("lengths agree");
         for (y, y3) in y.iter().zip(&y3) {
             assert!(!y.is_nan());
             assert_eq!([y.to_bits(); 2], [y3[0].to_bits(), y3[2].to_bits()]);
@@ -83,14 +84,17 @@ fn anything(input: &mut Floats<'_>, n: usize, k: u32) {
         }
     }
     if let Ok(dense) = &dense {
-        for sum in [Horner.sum(&Portable, dense, k), Doubling.sum(&Portable, dense, k)].into_iter().flatten() {
+        for sum in [Horner.sum(&Portable, dense, k), Doubling.sum(&Portable, dense, k)].into_iter().flatten()
+        {
             assert!(finite(sum.entries()));
         }
         let settings = Settings { max_passes: 60, ..Settings::default() };
         if let Ok(s) = solve(&GaussSeidel, dense, &areas, &albedo, &b, settings) {
             residual(dense, &albedo, &b, &s.radiosity);
         }
-        for m in [infinite::<f32, _>(&Portable, dense), infinite::<f64, _>(&Portable, dense)].into_iter().flatten() {
+        for m in
+            [infinite::<f32, _>(&Portable, dense), infinite::<f64, _>(&Portable, dense)].into_iter().flatten()
+        {
             assert!(finite(m.entries()));
         }
         let rho: Vec<f32> = albedo.iter().map(|x| x[0]).collect();

@@ -4,8 +4,9 @@
 use crate::figure::{Contest, Curves, Series};
 use crate::timing::Timed;
 use plotters::coord::Shift;
-use plotters::coord::combinators::LogCoord;
+use plotters::coord::combinators::{BindKeyPoints, LogCoord, WithKeyPoints};
 use plotters::prelude::*;
+use std::ops::Range;
 use std::path::Path;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -23,23 +24,50 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
 ];
 
-/// Both axes logarithmic.
-type LogChart<'a, DB> = ChartContext<'a, DB, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+/// Both axes logarithmic, with ticks of our own.
+type Axis = WithKeyPoints<LogCoord<f64>>;
+type LogChart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Axis, Axis>>;
 
-/// The smallest and largest of positive values, a factor apart from the frame; a fallback where there are none.
-fn bounds(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
+/// The smallest and largest of positive values with a margin; a fallback where there are none.
+fn bounds(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
     for v in values.filter(|v| v.is_finite() && *v > 0.0) {
         (low, high) = (low.min(v), high.max(v));
     }
-    if high <= 0.0 { 0.1..10.0 } else { low / 1.8..high * 1.8 }
+    if high <= 0.0 {
+        return 0.1..10.0;
+    }
+    let margin = (high / low).powf(0.08).max(1.02);
+    low / margin..high * margin
+}
+
+/// Ticks at powers of ten, at 1, 2 and 5 times them, or at five even steps: as many as there is room for.
+fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let within = |steps: &[f64]| -> Vec<f64> {
+        (-20..20)
+            .flat_map(|e| steps.iter().map(move |s| s * 10.0_f64.powi(e)))
+            .filter(|v| range.contains(v))
+            .collect()
+    };
+    for steps in [&[1.0][..], &[1.0, 2.0, 5.0]] {
+        let list = within(steps);
+        if list.len() >= 3 {
+            return list;
+        }
+    }
+    (0..5).map(|i| range.start * (range.end / range.start).powf(0.1 + 0.2 * f64::from(i))).collect()
+}
+
+fn axis(range: Range<f64>) -> Axis {
+    let list = ticks(&range);
+    LogCoord::from(range.log_scale()).with_key_points(list)
 }
 
 fn chart<'a, DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     title: &str,
     labels: [&str; 2],
-    ranges: [std::ops::Range<f64>; 2],
+    ranges: [Range<f64>; 2],
     right: u32,
 ) -> Result<LogChart<'a, DB>, DrawingAreaErrorKind<DB::ErrorType>> {
     let [x, y] = ranges;
@@ -49,68 +77,58 @@ fn chart<'a, DB: DrawingBackend>(
         .margin_right(right)
         .x_label_area_size(48)
         .y_label_area_size(76)
-        .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+        .build_cartesian_2d(axis(x), axis(y))?;
     chart
         .configure_mesh()
         .x_desc(labels[0])
         .y_desc(labels[1])
         .label_style(("sans-serif", 14))
         .axis_desc_style(("sans-serif", 15))
-        .light_line_style(RGBColor(240, 240, 240))
+        .bold_line_style(RGBColor(225, 225, 225))
+        .light_line_style(WHITE)
         .x_label_formatter(&|v| short(*v))
         .y_label_formatter(&|v| short(*v))
         .draw()?;
     Ok(chart)
 }
 
-/// Three digits and a power of ten where it is large or small.
+/// Four digits and a power of ten where it is large or small.
 pub fn short(v: f64) -> String {
     if v == 0.0 {
         "0".into()
     } else if (0.01..1e4).contains(&v.abs()) {
-        let digits = (2 - v.abs().log10().floor() as i32).clamp(0, 4) as usize;
+        let digits = (3 - v.abs().log10().floor() as i32).clamp(0, 5) as usize;
         let text = format!("{v:.digits$}");
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
     } else {
-        format!("{v:.2e}").replace(".00e", "e")
+        format!("{v:.3e}").replace("000e", "e").replace("00e", "e").replace("0e", "e").replace(".e", "e")
     }
 }
 
-/// Error over speed, a labelled dot a contender: ours filled, rivals hollow. An error of zero stands on the lower frame,
-/// one that is not a number is left to the table.
+/// Error over speed, a numbered dot a contender with its name at the right: ours filled, rivals hollow. An error of zero stands
+/// on the lower frame, one that is not a number is left to the table.
 pub fn contest(contest: &Contest, timed: &[Timed], file: &Path) -> Outcome {
-    let root = SVGBackend::new(file, SIZE).into_drawing_area();
+    const LEGEND: i32 = 300;
+    let root = SVGBackend::new(file, (SIZE.0 + LEGEND as u32, SIZE.1)).into_drawing_area();
     root.fill(&WHITE)?;
     let ys = bounds(timed.iter().map(|t| t.error));
     let xs = bounds(timed.iter().map(|t| t.rate));
-    let x_label = format!("{}s per second", contest.item);
-    let mut chart =
-        chart(&root, contest.title, [&x_label, contest.error_label], [xs.clone(), ys.clone()], 30)?;
-    // Labels go to the side that has room, below one another where dots are close.
-    let middle = (xs.start * xs.end).sqrt();
-    let mut placed: Vec<(f64, f64)> = Vec::new();
+    let x_label = format!("{} per second", plural(contest.item));
+    let labels = [x_label.as_str(), contest.error_label];
+    let mut chart = chart(&root, contest.title, labels, [xs, ys.clone()], LEGEND as u32 + 12)?;
     for (i, t) in timed.iter().enumerate() {
-        if !t.error.is_finite() {
-            continue;
-        }
         let colour = COLOURS[i % COLOURS.len()];
-        let at = (t.rate, if t.error > 0.0 { t.error } else { ys.start });
-        let height = (ys.end / ys.start).ln();
-        let mut level = at.1;
-        while placed
-            .iter()
-            .any(|p| (p.1 / level).ln().abs() < 0.03 * height && (p.0 > middle) == (at.0 > middle))
-        {
-            level *= (0.031 * height).exp();
-        }
-        placed.push((at.0, level));
         let style = if t.ours { colour.filled() } else { colour.stroke_width(2) };
-        chart.draw_series([Circle::new(at, 5, style)])?;
-        let width = 7 * t.name.len() as i32;
-        let shift = if at.0 > middle { -width - 10 } else { 10 };
-        let lift = -(((level / at.1).ln() / height) * f64::from(SIZE.1 - 120)) as i32;
-        chart.draw_series([EmptyElement::at(at)
-            + Text::new(t.name.clone(), (shift, lift - 7), ("sans-serif", 14).into_font().color(&colour))])?;
+        let font = || ("sans-serif", 14).into_font().color(&colour);
+        let line = 60 + 24 * i as i32;
+        root.draw(&Circle::new((SIZE.0 as i32 + 8, line + 7), 5, style))?;
+        root.draw(&Text::new(format!("{}  {}", i + 1, t.name), (SIZE.0 as i32 + 20, line), font()))?;
+        if t.error.is_finite() {
+            let at = (t.rate, if t.error > 0.0 { t.error } else { ys.start });
+            chart.draw_series([EmptyElement::at(at)
+                + Circle::new((0, 0), 5, style)
+                + Text::new((i + 1).to_string(), (7, -14), font())])?;
+        }
     }
     root.present()?;
     Ok(())
@@ -144,12 +162,18 @@ pub fn curves(curves: &Curves, file: &Path) -> Outcome {
     Ok(())
 }
 
+/// Of the words that are used.
+fn plural(item: &str) -> String {
+    if item == "matrix" { "matrices".into() } else { format!("{item}s") }
+}
+
 /// One row a contender.
 pub fn contest_table(contest: &Contest, timed: &[Timed]) -> String {
     let first = timed.first().map_or("", |t| t.name.as_str());
     let mut out = format!(
-        "| contender | {} | {}s/s | speed over `{first}` (least to most) |\n|---|---:|---:|---:|\n",
-        contest.error_label, contest.item
+        "| contender | {} | {}/s | speed over `{first}` (least to most) |\n|---|---:|---:|---:|\n",
+        contest.error_label,
+        plural(contest.item)
     );
     for t in timed {
         let name = if t.ours { format!("**{}**", t.name) } else { t.name.clone() };
@@ -165,23 +189,26 @@ pub fn contest_table(contest: &Contest, timed: &[Timed]) -> String {
     out
 }
 
+/// Rows that a table may have before it is cut to powers of four.
+const ROWS: usize = 24;
+
 /// One row a point of the horizontal axis, one column a curve.
 pub fn curves_table(curves: &Curves) -> String {
     let names: Vec<_> = curves.series.iter().map(|s| s.name.as_str()).collect();
     let mut xs: Vec<f64> = curves.series.iter().flat_map(|s| s.points.iter().map(|p| p.0)).collect();
     xs.sort_by(f64::total_cmp);
     xs.dedup();
-    let shared = curves.series.iter().all(|s| s.points.len() == xs.len());
     let mut out =
         format!("| {} | {} |\n|---:|{}\n", curves.x_label, names.join(" | "), "---:|".repeat(names.len()));
-    if shared {
-        for (i, x) in xs.iter().enumerate() {
-            let row: Vec<_> = curves.series.iter().map(|s| short(s.points[i].1)).collect();
+    if xs.len() <= ROWS {
+        for x in &xs {
+            let at = |s: &Series| s.points.iter().find(|p| p.0 == *x).map_or("".into(), |p| short(p.1));
+            let row: Vec<_> = curves.series.iter().map(at).collect();
             out += &format!("| {} | {} |\n", short(*x), row.join(" | "));
         }
         return out;
     }
-    // Curves with points of their own: what each has reached by powers of four.
+    // Curves of many points: what each has reached by powers of four.
     let (least, most) = (xs.first().copied().unwrap_or(1.0), xs.last().copied().unwrap_or(1.0));
     let mut x = 1.0;
     while x < 4.0 * most {
@@ -231,7 +258,7 @@ mod tests {
         let table = contest_table(&c, &timed);
         for t in &timed {
             assert!(table.contains(&t.name), "{table}");
-            assert!(t.error.is_nan() || svg.contains(&t.name), "{} is not drawn", t.name);
+            assert!(svg.contains(&t.name), "{} is not named", t.name);
         }
         // More work is slower, whatever the machine does.
         assert!(timed[3].ratio > timed[1].ratio && timed[1].ratio > timed[0].ratio, "{timed:?}");
@@ -249,8 +276,14 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let list =
-            [(0.0, "0"), (1.0, "1"), (0.123_456, "0.123"), (12.345, "12.3"), (123.4, "123"), (5e-7, "5e-7")];
+        let list = [
+            (0.0, "0"),
+            (1.0, "1"),
+            (0.123_456, "0.1235"),
+            (12.345, "12.35"),
+            (123.4, "123.4"),
+            (5e-7, "5e-7"),
+        ];
         for (x, text) in list {
             assert_eq!(short(x), text);
         }

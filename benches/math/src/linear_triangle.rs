@@ -2,7 +2,7 @@
 //!
 //! The error is that of the marginal coordinate that each form solves for: the distance from its apex (the lightest vertex for
 //! ours, vertex 1 for Cardano's formula), relative, root mean square over the samples, against f64; a NaN counts as an error of one.
-//! The mixture and rejection solve for nothing: their error is that of the barycentrics' rounding, half a unit of 2^-24.
+//! The mixture's is that of the barycentric of the vertex that it picks, rejection's that of the first barycentric of its uniform point.
 #![allow(clippy::disallowed_methods, reason = "errors in f64; rivals as anyone would write them")]
 
 use crate::figure::{Contender, Contest};
@@ -79,8 +79,9 @@ fn cardano_f64(w: [f32; 3], u: [f32; 2]) -> [f64; 3] {
     [rest - v, x, v]
 }
 
-/// Uniform points until one lies below the density; three more random numbers a try from a hash of the first two.
-fn rejection(w: [f32; 3], u: [f32; 2]) -> [f32; 3] {
+/// Uniform points until one lies below the density, with the two numbers of the last; more random numbers from a hash of the two
+/// given.
+fn rejection(w: [f32; 3], u: [f32; 2]) -> ([f32; 3], [f32; 2]) {
     let most = w[0].max(w[1]).max(w[2]);
     let mut state = (u64::from(u[0].to_bits()) << 32 | u64::from(u[1].to_bits())) | 1;
     let mut unit = || {
@@ -88,11 +89,31 @@ fn rejection(w: [f32; 3], u: [f32; 2]) -> [f32; 3] {
         (state >> 40) as f32 / 16_777_216.0
     };
     loop {
-        let b = etendue_core::sampling::warp::sample_triangle([unit(), unit()]);
+        let u = [unit(), unit()];
+        let b = etendue_core::sampling::warp::sample_triangle(u);
         if unit() * most <= w[0] * b[0] + w[1] * b[1] + w[2] * b[2] {
-            return b;
+            return (b, u);
         }
     }
+}
+
+/// Heitz's map in f64: the first barycentric.
+fn uniform_first(u: [f32; 2]) -> f64 {
+    let [u0, u1] = u.map(f64::from);
+    if u0 < u1 { 0.5 * u0 } else { u0 - 0.5 * u1 }
+}
+
+/// The mixture in f64: which vertex is picked, and its barycentric, the root of 3 x^2 - 2 x^3.
+fn mixture_own(w: [f32; 3], u: [f32; 2]) -> (usize, f64) {
+    let w = w.map(f64::from);
+    let mut left = f64::from(u[0]) * w.iter().sum::<f64>();
+    let mut vertex = 0;
+    while vertex < 2 && left >= w[vertex] {
+        left -= w[vertex];
+        vertex += 1;
+    }
+    // A vertex of weight 1 alone.
+    (vertex, distance(1.0, 0.0, left / w[vertex]))
 }
 
 /// One contender that makes one point at a time.
@@ -134,7 +155,15 @@ pub fn contest() -> Contest {
     }));
     let cardano = marginal(&|w, u| f64::from(Cardano.sample(w, u)[1]));
     let cardano_wide = marginal(&|w, u| cardano_f64(w, u)[1]);
-    let rounding = 0.5 / 16_777_216.0;
+    let relative = |x: f32, truth: f64| (f64::from(x) - truth) / truth.max(1e-300);
+    let mixture = rms(each().map(|(w, u)| {
+        let (vertex, own) = mixture_own(*w, *u);
+        relative(Dirichlet.sample(*w, *u)[vertex], own)
+    }));
+    let uniform = rms(each().map(|(w, u)| {
+        let (b, u) = rejection(*w, *u);
+        relative(b[0], uniform_first(u))
+    }));
     let slices = |name: &str, f: Slices| {
         let inputs = inputs.clone();
         let mut out = vec![[0.0; 3]; COUNT];
@@ -147,8 +176,8 @@ pub fn contest() -> Contest {
     let contenders = vec![
         single("Cardano, f32, as published", false, cardano, &inputs, |w, u| Cardano.sample(w, u)),
         single("Cardano, f64", false, cardano_wide, &inputs, |w, u| cardano_f64(w, u).map(|x| x as f32)),
-        single("mixture (Dirichlet)", false, rounding, &inputs, |w, u| Dirichlet.sample(w, u)),
-        single("rejection", false, rounding, &inputs, rejection),
+        single("mixture (Dirichlet)", false, mixture, &inputs, |w, u| Dirichlet.sample(w, u)),
+        single("rejection", false, uniform, &inputs, |w, u| rejection(w, u).0),
         single("robust, one by one", true, robust, &inputs, sample),
         slices("robust, slices, portable", sample_slice),
         slices("robust, slices, AVX2 where it is", etendue_cpu::linear_triangle::sample_slice),
