@@ -29,7 +29,8 @@ fn thinness(uv: [[f32; 2]; 3], size: [u32; 2]) -> f32 {
     let (e, f, g) = (edge(0, 1), edge(0, 2), edge(1, 2));
     let longest = [e, f, g].iter().map(|d| d[0] * d[0] + d[1] * d[1]).fold(0.0, f64::max);
     let twice = (e[0] * f[1] - e[1] * f[0]).abs();
-    if twice > 0.0 { (longest / twice).min(1e9) as f32 } else { 0.0 }
+    // A line is as good as its length: see `scan`.
+    if twice > 0.0 { (longest / twice).min(1e9) as f32 } else { longest.sqrt() as f32 / 16.0 }
 }
 
 /// Mode and sides, then the numbers (24 bytes raw, 6 otherwise, twice as many again for the piece), then the texels.

@@ -72,7 +72,8 @@ impl Sums {
 /// bound, which is also the bound on time).
 ///
 /// Accuracy: within 2^-20 of the brightest texel covered for pieces up to 2^12 cells, and 2^-20 of it times the longest edge over the
-/// least height (in texels): how wide a long sliver is, f32 coordinates say no better. Measured in `tests/emission_texture.rs`. Order of the sums: rows from the top, columns from the left.
+/// least height (in texels): how wide a long sliver is, f32 coordinates say no better. For a
+/// piece squeezed to a line the second term is 2^-24 times its length in texels. Measured in `tests/emission_texture.rs`. Order of the sums: rows from the top, columns from the left.
 pub fn scan<T: Texels + ?Sized>(texels: &T, uv: [[f32; 2]; 3], max_cells: f32) -> Option<VertexAlbedo> {
     let size = texels.size();
     let frame = Frame::new(size, uv, 0.5).filter(|f| f.cells() <= max_cells)?;
