@@ -37,6 +37,7 @@ pub(crate) use widest;
 #[allow(dead_code, reason = "used by the loops over slices")]
 pub(crate) fn has_avx2() -> bool {
     std::is_x86_feature_detected!("avx2")
+        && std::is_x86_feature_detected!("fma")
         && std::is_x86_feature_detected!("bmi1")
         && std::is_x86_feature_detected!("bmi2")
         && std::is_x86_feature_detected!("lzcnt")

@@ -2,7 +2,7 @@
 
 use etendue_core::geometry::{BruteForce, Hit, Intersector, Primitives, Ray, RoundShape};
 use etendue_core::math::Vec3;
-use etendue_cpu::tree::{Isa, WideTree};
+use etendue_cpu::tree::{Effort, Isa, RefitError, WideTree};
 
 /// Weyl sequence with the finaliser of splitmix64.
 struct Random(u64);
@@ -52,7 +52,7 @@ fn soup(r: &mut Random) -> Soup {
         let p = match kind {
             0 => r.vec3(),
             1 => Vec3::new(r.below(4) as f32, r.below(4) as f32, r.below(3) as f32),
-            2 => r.vec3() * [1e-20, 1e-3, 1.0, 1e6, 1e15][r.below(5) as usize],
+            2 => r.vec3() * [1e-20, 1e-3, 1.0, 1e6, 1e15, 1e21][r.below(6) as usize],
             3 => r.vec3() * 1e-2 + Vec3::new(1000.0, 500.0, -300.0),
             4 => Vec3::new(r.below(3) as f32, 0.0, r.below(3) as f32),
             _ => r.vec3() * 4.0,
@@ -88,7 +88,9 @@ fn soup(r: &mut Random) -> Soup {
 
 fn ray(r: &mut Random, s: &Soup) -> Ray {
     let vertex = |r: &mut Random| Vec3::from_array(s.positions[r.below(s.positions.len() as u64) as usize]);
-    let origin = match r.below(4) {
+    let origin = match r.below(5) {
+        // Far away, where no fused box test is allowed.
+        3 => vertex(r) + r.vec3() * 100.0,
         0 => r.vec3() * 3.0,
         1 => vertex(r),
         2 => Vec3::new(r.below(5) as f32 - 1.0, r.below(5) as f32 - 1.0, r.below(5) as f32 - 1.0),
@@ -120,16 +122,117 @@ fn compare(seed: u64, soups: u32, rays: u32) {
             sets().into_iter().map(|i| WideTree::build(&s.primitives()).with_isa(i)).collect();
         for _ in 0..rays {
             let ray = ray(&mut r, &s);
-            let expected = oracle.closest_hit(&ray);
-            hits += u32::from(expected.is_some());
-            for tree in &trees {
-                let found = tree.closest_hit(&ray);
-                assert_eq!(bits(found), bits(expected), "soup {k} of seed {seed}, {:?}: {ray:?}", tree.isa());
-                assert_eq!(tree.occluded(&ray), expected.is_some(), "soup {k}, {:?}: {ray:?}", tree.isa());
-            }
+            hits += u32::from(agree(&trees, &oracle, &ray, || format!("soup {k} of seed {seed}")));
         }
     }
     assert!(hits > soups * rays / 20, "too few rays hit anything: {hits}");
+}
+
+/// Whether the ray hits anything: the same for all.
+fn agree(trees: &[WideTree], oracle: &BruteForce<'_>, ray: &Ray, what: impl Fn() -> String) -> bool {
+    let expected = oracle.closest_hit(ray);
+    for tree in trees {
+        let found = tree.closest_hit(ray);
+        assert_eq!(bits(found), bits(expected), "{}, {:?}: {ray:?}", what(), tree.isa());
+        assert_eq!(tree.occluded(ray), expected.is_some(), "{}, {:?}: {ray:?}", what(), tree.isa());
+    }
+    expected.is_some()
+}
+
+#[test]
+fn every_effort_gives_the_same_hits() {
+    let mut r = Random(7);
+    for k in 0..60 {
+        let s = soup(&mut r);
+        let oracle = BruteForce { primitives: s.primitives() };
+        let trees = [Effort::Quick, Effort::Standard, Effort::Thorough]
+            .map(|effort| WideTree::build_timed(&s.primitives(), effort).0);
+        for _ in 0..100 {
+            agree(&trees, &oracle, &ray(&mut r, &s), || format!("soup {k}"));
+        }
+    }
+}
+
+#[test]
+fn a_refitted_tree_gives_the_hits_of_the_moved_scene() {
+    let mut r = Random(8);
+    let (mut refitted, mut hits) = (0, 0);
+    for k in 0..200 {
+        let mut s = soup(&mut r);
+        let mut trees: Vec<WideTree> =
+            sets().into_iter().map(|i| WideTree::build(&s.primitives()).with_isa(i)).collect();
+        // A few frames: some vertices jump, some vanish, all drift; shapes follow.
+        for frame in 0..3 {
+            for p in &mut s.positions {
+                match r.below(12) {
+                    0 => *p = (r.vec3() * 5.0).to_array(),
+                    1 if frame > 0 && r.below(20) == 0 => p[0] = f32::NAN,
+                    _ => *p = (Vec3::from_array(*p) + r.vec3() * 0.1).to_array(),
+                }
+            }
+            for shape in &mut s.shapes {
+                *shape = RoundShape::sphere((r.vec3() * 2.0).to_array(), 0.2);
+            }
+            if trees.iter_mut().any(|t| t.refit(&s.primitives()).is_err()) {
+                // A NaN of the first soup became a number.
+                trees = sets().into_iter().map(|i| WideTree::build(&s.primitives()).with_isa(i)).collect();
+            } else {
+                refitted += 1;
+            }
+            let oracle = BruteForce { primitives: s.primitives() };
+            for _ in 0..60 {
+                let ray = ray(&mut r, &s);
+                hits += u32::from(agree(&trees, &oracle, &ray, || format!("soup {k}, frame {frame}")));
+            }
+        }
+    }
+    assert!(refitted > 400 && hits > 2000, "{refitted} frames refitted, {hits} hits");
+}
+
+#[test]
+fn a_tree_says_what_it_cannot_be_refitted_to() {
+    let triangle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut positions = [triangle, triangle].concat();
+    for p in &mut positions[3..] {
+        p[0] = f32::NAN;
+    }
+    let scene = |positions: &[[f32; 3]], count: usize| Soup {
+        positions: positions.to_vec(),
+        triangles: [[0, 1, 2], [3, 4, 5]][..count].to_vec(),
+        shapes: vec![],
+    };
+    let mut tree = WideTree::build(&scene(&positions, 2).primitives());
+    let error = tree.refit(&scene(&positions, 1).primitives()).unwrap_err();
+    assert_eq!(error, RefitError::Count { tree: [2, 0], scene: [1, 0] });
+    positions[4][0] = 1.0;
+    positions[3][0] = 0.0;
+    positions[5][0] = 0.0;
+    let error = tree.refit(&scene(&positions, 2).primitives()).unwrap_err();
+    assert_eq!(error, RefitError::Appeared { primitive: 1 });
+    // As it was: the first triangle alone.
+    let ray = Ray { origin: Vec3::new(0.2, 0.2, 1.0), direction: Vec3::NEG_Z, t_max: 9.0 };
+    assert_eq!(tree.closest_hit(&ray).map(|h| h.primitive), Some(0));
+}
+
+#[test]
+fn what_moves_apart_costs_more() {
+    let mut r = Random(9);
+    let mut s = Soup { positions: vec![], triangles: vec![], shapes: vec![] };
+    for i in 0..3000 {
+        let centre = r.vec3() * 10.0;
+        s.positions.extend([0; 3].map(|_| (centre + r.vec3() * 0.1).to_array()));
+        s.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    let mut tree = WideTree::build(&s.primitives());
+    let built = tree.cost();
+    let thorough = WideTree::build_timed(&s.primitives(), Effort::Thorough).0.cost();
+    assert!(thorough <= built, "{thorough} with more effort, {built} with less");
+    for p in &mut s.positions {
+        *p = (Vec3::from_array(*p) + r.vec3() * 3.0).to_array();
+    }
+    tree.refit(&s.primitives()).unwrap();
+    let new = WideTree::build(&s.primitives()).cost();
+    assert!(tree.cost() > 1.2 * new, "{} of the refitted tree, {new} of a new one", tree.cost());
 }
 
 #[test]

@@ -13,7 +13,7 @@ use embree::Embree;
 use etendue::core::geometry::{Intersector, Ray};
 use etendue::core::math::Vec3;
 use etendue::core::scene::{CompiledScene, compile};
-use etendue::cpu::tree::{CwbvhTree, WalkTree, WideTree};
+use etendue::cpu::tree::{CwbvhTree, Effort, WalkTree, WideTree};
 use etendue::io::load_scene;
 use sets::{Mesh, Set};
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ type Work<'a> = Box<dyn Fn(&Set) -> f64 + 'a>;
 fn mesh_table(mesh: &Mesh, embree: Option<&Embree>, all: &mut Vec<f64>) {
     let p = mesh.primitives();
     println!("\n{}", mesh.name);
-    let (wide, [built, converted]) = WideTree::build_timed(&p);
+    let (wide, [built, converted]) = WideTree::build_timed(&p, Effort::Standard);
     println!(
         "  obvhs {:.3} s, conversion {:.3} s, {:.1} bytes a triangle; nodes, blocks, depth {:?}",
         built.as_secs_f64(),

@@ -12,8 +12,9 @@ mod walk;
 mod wide;
 
 pub use obvhs_walk::{Bvh2Tree, CwbvhTree};
+pub use packed::Effort;
 pub use walk::WalkTree;
-pub use wide::{Isa, WideTree, layout};
+pub use wide::{Isa, RefitError, WideTree, layout};
 
 /// The tree that sessions use.
 pub type Tree = WideTree;

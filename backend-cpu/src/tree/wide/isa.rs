@@ -1,8 +1,9 @@
 //! Which instruction set walks: asked for once per tree, entered here and nowhere else.
 
-use super::lanes::Scalar;
+use super::floats::Portable;
+use super::lanes::Plain;
 use super::walk::{self, View};
-use etendue_core::geometry::{Hit, Ray};
+use etendue_core::geometry::{Hit, PreparedRay, Ray};
 
 /// An instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,17 +31,40 @@ impl Isa {
 
 #[cfg(target_arch = "x86_64")]
 mod entry {
-    use super::super::avx2::Avx2;
+    use super::super::avx2::F8;
+    use super::super::lanes::Lean;
     use super::*;
 
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub(super) fn closest_avx2(view: View<'_>, ray: &Ray) -> Option<Hit> {
-        walk::closest::<Avx2>(view, ray)
+        let prepared = PreparedRay::new(ray);
+        if view.fit.holds(&prepared) {
+            walk::closest::<F8, Lean<F8>>(view, &prepared, ray.t_max)
+        } else {
+            closest_plain(view, &prepared, ray.t_max)
+        }
     }
 
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    #[cold]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn closest_plain(view: View<'_>, ray: &PreparedRay, t_max: f32) -> Option<Hit> {
+        walk::closest::<F8, Plain<F8>>(view, ray, t_max)
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub(super) fn any_avx2(view: View<'_>, ray: &Ray) -> bool {
-        walk::any::<Avx2>(view, ray)
+        let prepared = PreparedRay::new(ray);
+        if view.fit.holds(&prepared) {
+            walk::any::<F8, Lean<F8>>(view, &prepared, ray.t_max)
+        } else {
+            any_plain(view, &prepared, ray.t_max)
+        }
+    }
+
+    #[cold]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn any_plain(view: View<'_>, ray: &PreparedRay, t_max: f32) -> bool {
+        walk::any::<F8, Plain<F8>>(view, ray, t_max)
     }
 }
 
@@ -56,7 +80,7 @@ pub(super) fn closest(isa: Isa, view: View<'_>, ray: &Ray) -> Option<Hit> {
                 entry::closest_avx2(view, ray)
             }
         }
-        _ => walk::closest::<Scalar>(view, ray),
+        _ => walk::closest::<Portable, Plain<Portable>>(view, &PreparedRay::new(ray), ray.t_max),
     }
 }
 
@@ -72,6 +96,6 @@ pub(super) fn any(isa: Isa, view: View<'_>, ray: &Ray) -> bool {
                 entry::any_avx2(view, ray)
             }
         }
-        _ => walk::any::<Scalar>(view, ray),
+        _ => walk::any::<Portable, Plain<Portable>>(view, &PreparedRay::new(ray), ray.t_max),
     }
 }

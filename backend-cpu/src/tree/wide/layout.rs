@@ -6,7 +6,7 @@ use etendue_core::math::Vec3;
 /// Children of a node.
 pub const WIDTH: usize = 8;
 /// Triangles of a block.
-pub const LANES: usize = 4;
+pub const LANES: usize = 8;
 /// The child word, or triangle number, of an unused slot: a reader that cannot rely on infinities skips by it.
 pub const NOTHING: u32 = u32::MAX;
 
@@ -22,7 +22,9 @@ pub const PLACE: u32 = (1 << KIND_SHIFT) - 1;
 /// Eight children: their boxes by rows, then their words. 256 bytes.
 ///
 /// Rows: lo.x, hi.x, lo.y, hi.y, lo.z, hi.z. A child word is the number of a node; or [`LEAF`], the kind and the place of a
-/// leaf; or [`NOTHING`], with an empty box (lo = +infinity, hi = -infinity). Used slots come first.
+/// leaf; or [`NOTHING`], with an empty box (lo = +infinity, hi = -infinity). Used slots come first, leaves before nodes. Nodes come
+/// before their children. The boxes are larger than what they hold by 4 to 5 u of the largest coordinate of the tree, u = 2^-24,
+/// so that a fused box test (`b r - o r`, r = 1/d) misses nothing for origins of up to twice that coordinate.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Node {
@@ -44,9 +46,10 @@ impl Node {
         Self { rows: [LO, HI, LO, HI, LO, HI], child: [NOTHING; WIDTH], pad: [0; WIDTH] }
     };
 
-    /// Sets the box of a child.
-    pub fn set_box(&mut self, slot: usize, b: &Aabb) {
-        let planes = [b.lo.x, b.hi.x, b.lo.y, b.hi.y, b.lo.z, b.hi.z];
+    /// Sets the box of a child, larger by `margin` on each side.
+    pub fn set_box(&mut self, slot: usize, b: &Aabb, margin: f32) {
+        let (lo, hi) = (b.lo - margin, b.hi + margin);
+        let planes = [lo.x, hi.x, lo.y, hi.y, lo.z, hi.z];
         for (row, plane) in self.rows.iter_mut().zip(planes) {
             if let Some(x) = row.get_mut(slot) {
                 *x = plane;
@@ -61,12 +64,12 @@ impl Node {
     }
 }
 
-/// Four triangles: coordinates by rows, then their numbers. 160 bytes.
+/// Eight triangles: coordinates by rows, then their numbers. 320 bytes.
 ///
 /// Rows: x, y, z of vertex 0, then of vertices 1 and 2. An unused lane holds NaN, which no comparison accepts, and the number
 /// [`NOTHING`].
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub struct Block {
     /// Coordinates, metres.
     pub rows: [[f32; LANES]; 9],
@@ -74,7 +77,7 @@ pub struct Block {
     pub id: [u32; LANES],
 }
 
-const _: () = assert!(size_of::<Block>() == 160);
+const _: () = assert!(size_of::<Block>() == 320);
 
 impl Block {
     /// A block without triangles.

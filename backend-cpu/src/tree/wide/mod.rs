@@ -1,4 +1,4 @@
-//! The eight-wide tree: obvhs builds a binary tree, [`convert`] makes nodes of eight boxes and leaf blocks of four
+//! The eight-wide tree: obvhs builds a binary tree, [`convert`] makes nodes of eight boxes and leaf blocks of eight
 //! triangles of it, and a walk in the widest instruction set at hand asks them.
 //!
 //! Node and block layouts are those of [`layout`]: also what a GPU reads.
@@ -6,16 +6,21 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod convert;
+mod fit;
+mod floats;
 mod isa;
 mod lanes;
 pub mod layout;
 mod memory;
+mod refit;
 mod walk;
 
-use super::packed::build_bvh2_of;
+use super::packed::{Effort, build_bvh2_of};
 use convert::{Converted, convert};
-use etendue_core::geometry::{Hit, Intersector, Primitives, Ray, RoundShape};
+use etendue_core::geometry::{Aabb, Hit, Intersector, Primitives, Ray, RoundShape};
+use fit::Fit;
 pub use isa::Isa;
+pub use refit::RefitError;
 use std::time::{Duration, Instant};
 use walk::View;
 
@@ -25,32 +30,30 @@ pub struct WideTree {
     converted: Converted,
     shapes: Vec<RoundShape>,
     first_shape: u32,
+    /// Primitives that nothing can hit, which the tree does not hold.
+    absent: Vec<u32>,
     isa: Isa,
+    fit: Fit,
 }
 
 impl WideTree {
     /// Builds the tree over up to 2^28 primitives, for the widest instruction set of this processor.
     pub fn build(primitives: &Primitives<'_>) -> Self {
-        Self::build_timed(primitives).0
+        Self::build_timed(primitives, Effort::Standard).0
     }
 
-    /// The same, and how long obvhs and the conversion took.
-    pub fn build_timed(primitives: &Primitives<'_>) -> (Self, [Duration; 2]) {
-        // What has an empty box (NaN vertices among them) nothing hits; without it every box is a box.
-        let ids: Vec<u32> = (0..primitives.count() as u32)
-            .filter(|id| {
-                let b = primitives.bounds(*id);
-                !b.is_empty()
-            })
-            .collect();
+    /// The same with more or less effort, and how long obvhs and the conversion took.
+    pub fn build_timed(primitives: &Primitives<'_>, effort: Effort) -> (Self, [Duration; 2]) {
         let start = Instant::now();
-        let binary = build_bvh2_of(primitives, &ids);
+        let (ids, absent, reach) = present(primitives);
+        let fit = Fit::new(reach);
+        let binary = build_bvh2_of(primitives, &ids, effort);
         let built = start.elapsed();
         let start = Instant::now();
-        let mut converted = convert(&binary, &ids, primitives);
+        let mut converted = convert(&binary, &ids, primitives, fit.margin);
         if converted.depth > walk::MAX_DEPTH {
             // As of a long chain of nested boxes: halves by order are never deeper than 28.
-            converted = convert(&balanced(primitives, &ids), &ids, primitives);
+            converted = convert(&balanced(primitives, &ids), &ids, primitives, fit.margin);
         }
         converted.nodes = memory::in_large_pages(converted.nodes);
         converted.blocks = memory::in_large_pages(converted.blocks);
@@ -58,7 +61,9 @@ impl WideTree {
             converted,
             shapes: primitives.shapes.to_vec(),
             first_shape: primitives.triangles.len() as u32,
+            absent,
             isa: Isa::widest(),
+            fit,
         };
         (this, [built, start.elapsed()])
     }
@@ -93,8 +98,24 @@ impl WideTree {
             shapes: &self.shapes,
             first_shape: self.first_shape,
             root: self.converted.root,
+            fit: self.fit,
         }
     }
+}
+
+/// The primitives with a box, those without (NaN vertices among them: nothing hits them), and the largest coordinate of all
+/// boxes, -infinity where there is none.
+fn present(primitives: &Primitives<'_>) -> (Vec<u32>, Vec<u32>, f32) {
+    let mut whole = Aabb::EMPTY;
+    let (ids, absent) = (0..primitives.count() as u32).partition(|id| {
+        let b = primitives.bounds(*id);
+        if b.is_empty() {
+            return false;
+        }
+        whole = whole.union(b);
+        true
+    });
+    (ids, absent, whole.hi.max(-whole.lo).max_element())
 }
 
 /// Halves by order, whatever the boxes are.

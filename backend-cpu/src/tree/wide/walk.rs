@@ -1,9 +1,11 @@
 //! The walk: nearest child first for the closest hit, in the order of the slots for any hit.
 
-use super::lanes::{BlockHits, Lanes};
+use super::fit::Fit;
+use super::floats::{Eight, Floats};
+use super::lanes::{BlockHits, BoxTest, Lanes};
 use super::layout::{Block, KIND_SHIFT, LANES, LEAF, Node, PLACE, SHAPE, WIDTH};
 use core::mem::MaybeUninit;
-use etendue_core::geometry::{Hit, PreparedRay, Ray, RoundShape, intersect_shape};
+use etendue_core::geometry::{Hit, PreparedRay, RoundShape, intersect_shape};
 
 /// Entries of the stack. A tree of depth d needs at most 7 (d - 1) + 8; [`super::build`] sees to it that this is enough.
 pub(super) const STACK: usize = 320;
@@ -20,6 +22,8 @@ pub(super) struct View<'a> {
     pub(super) first_shape: u32,
     /// Child word of the root.
     pub(super) root: u32,
+    /// Which rays may be walked with fused box tests.
+    pub(super) fit: Fit,
 }
 
 /// Distance and child word in one number: the distance is not negative, so that integers order entries by it.
@@ -33,17 +37,28 @@ fn sort2(a: u64, b: u64) -> (u64, u64) {
     (a.min(b), a.max(b))
 }
 
-/// A stack of fixed size that is not cleared for every ray; what does not fit is dropped, which the build rules out.
-struct Stack<T> {
+/// Room for a stack of fixed size that is not cleared for every ray. Aligned, so that the compiler aligns what it keeps beside it.
+#[repr(align(64))]
+struct Room<T>([MaybeUninit<T>; STACK]);
+
+impl<T: Copy> Room<T> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self([const { MaybeUninit::uninit() }; STACK])
+    }
+}
+
+/// A stack; what does not fit is dropped, which the build rules out.
+struct Stack<'a, T> {
     /// The first `len` are written.
-    entries: [MaybeUninit<T>; STACK],
+    entries: &'a mut [MaybeUninit<T>; STACK],
     len: usize,
 }
 
-impl<T: Copy> Stack<T> {
+impl<'a, T: Copy> Stack<'a, T> {
     #[inline(always)]
-    fn new() -> Self {
-        Self { entries: [const { MaybeUninit::uninit() }; STACK], len: 0 }
+    fn new(room: &'a mut Room<T>) -> Self {
+        Self { entries: &mut room.0, len: 0 }
     }
 
     #[inline(always)]
@@ -52,6 +67,16 @@ impl<T: Copy> Stack<T> {
         if let Some(slot) = self.entries.get_mut(self.len) {
             slot.write(e);
             self.len += 1;
+        }
+    }
+
+    /// Pushes the first `count` of what `write` puts at the front of the free space.
+    #[inline(always)]
+    fn push_all(&mut self, count: usize, write: impl FnOnce(&mut [MaybeUninit<T>; WIDTH])) {
+        debug_assert!(self.len + WIDTH <= STACK, "the build checks the depth");
+        if let Some(free) = self.entries.get_mut(self.len..).and_then(|free| free.first_chunk_mut()) {
+            write(free);
+            self.len += count;
         }
     }
 
@@ -66,16 +91,17 @@ impl<T: Copy> Stack<T> {
 
 /// The child words and entries of the set bits, nearest returned, the others pushed so that the nearest is on top.
 #[inline(always)]
-fn descend(node: &Node, entries: &[f32; WIDTH], mut mask: u32, stack: &mut Stack<u64>) -> u32 {
+fn descend(node: &Node, Eight(entries): &Eight, mut mask: u32, stack: &mut Stack<'_, u64>) -> u32 {
+    if mask & (mask - 1) == 0 {
+        // Its entry is not waited for.
+        return node.child[mask.trailing_zeros() as usize & (WIDTH - 1)];
+    }
     let mut next = || {
         let slot = mask.trailing_zeros() as usize & (WIDTH - 1);
         mask &= mask.wrapping_sub(1);
         (entry(entries[slot], node.child[slot]), mask)
     };
-    let (a, rest) = next();
-    if rest == 0 {
-        return a as u32;
-    }
+    let (a, _) = next();
     let (b, rest) = next();
     let (a, b) = sort2(a, b);
     if rest == 0 {
@@ -136,29 +162,34 @@ fn is_shape(word: u32) -> bool {
 
 /// The hit with the smallest t, then the lowest number.
 #[inline(always)]
-pub(super) fn closest<L: Lanes>(view: View<'_>, ray: &Ray) -> Option<Hit> {
-    let prepared = PreparedRay::new(ray);
-    let lanes = L::new(&prepared);
+pub(super) fn closest<F: Floats, B: BoxTest<F>>(
+    view: View<'_>,
+    prepared: &PreparedRay,
+    t_max: f32,
+) -> Option<Hit> {
+    let lanes = Lanes::<F, B>::new(prepared);
     let mut best: Option<Hit> = None;
-    let mut t_max = ray.t_max;
+    let mut t_max = t_max;
     if t_max.is_nan() || t_max < 0.0 {
         return None;
     }
-    let mut stack = Stack::new();
-    let mut entries = [0.0; WIDTH];
-    let mut hits = BlockHits { t: [0.0; LANES], b1: [0.0; LANES], b2: [0.0; LANES] };
+    let mut room = Room::new();
+    let mut stack = Stack::new(&mut room);
+    let mut entries = Eight::default();
+    let mut hits = BlockHits::default();
     let mut word = view.root;
     loop {
         if word & LEAF == 0 {
             if let Some(node) = view.nodes.get(word as usize) {
-                let mask = lanes.node(node, t_max, &mut entries);
+                let (enter, mask) = lanes.node(node, t_max);
                 if mask != 0 {
+                    enter.store(&mut entries);
                     word = descend(node, &entries, mask, &mut stack);
                     continue;
                 }
             }
         } else if is_shape(word) {
-            if let Some(hit) = shape_hit(view, word, &prepared, t_max)
+            if let Some(hit) = shape_hit(view, word, prepared, t_max)
                 && best.is_none_or(|b| hit.before(&b))
             {
                 best = Some(hit);
@@ -172,10 +203,10 @@ pub(super) fn closest<L: Lanes>(view: View<'_>, ray: &Ray) -> Option<Hit> {
                     let lane = mask.trailing_zeros() as usize & (LANES - 1);
                     mask &= mask - 1;
                     let hit = Hit {
-                        t: hits.t[lane],
+                        t: hits.t.0[lane],
                         primitive: block.id[lane],
-                        b1: hits.b1[lane],
-                        b2: hits.b2[lane],
+                        b1: hits.b1.0[lane],
+                        b2: hits.b2.0[lane],
                     };
                     if best.is_none_or(|b| hit.before(&b)) {
                         best = Some(hit);
@@ -187,7 +218,7 @@ pub(super) fn closest<L: Lanes>(view: View<'_>, ray: &Ray) -> Option<Hit> {
         loop {
             let Some(e) = stack.pop() else { return best };
             // Never skipped when equal: the lower number may lie there.
-            if (e >> 32) as u32 <= t_max.to_bits() {
+            if (e >> 32) as u32 <= (t_max * B::SLACK).to_bits() {
                 word = e as u32;
                 break;
             }
@@ -197,36 +228,31 @@ pub(super) fn closest<L: Lanes>(view: View<'_>, ray: &Ray) -> Option<Hit> {
 
 /// Whether anything is hit.
 #[inline(always)]
-pub(super) fn any<L: Lanes>(view: View<'_>, ray: &Ray) -> bool {
-    let prepared = PreparedRay::new(ray);
-    let lanes = L::new(&prepared);
-    let t_max = ray.t_max;
+pub(super) fn any<F: Floats, B: BoxTest<F>>(view: View<'_>, prepared: &PreparedRay, t_max: f32) -> bool {
+    let lanes = Lanes::<F, B>::new(prepared);
     if t_max.is_nan() || t_max < 0.0 {
         return false;
     }
-    let mut stack = Stack::<u32>::new();
-    let mut entries = [0.0; WIDTH];
-    let mut hits = BlockHits { t: [0.0; LANES], b1: [0.0; LANES], b2: [0.0; LANES] };
+    let mut room = Room::<u32>::new();
+    let mut stack = Stack::new(&mut room);
+    let mut hits = BlockHits::default();
     let mut word = view.root;
     loop {
         if word & LEAF == 0 {
             if let Some(node) = view.nodes.get(word as usize) {
-                let mut mask = lanes.node(node, t_max, &mut entries);
+                let (_, mut mask) = lanes.node(node, t_max);
                 if mask != 0 {
                     // The lowest slot at once, the others wait; leaves have the lowest slots.
                     let first = mask.trailing_zeros() as usize & (WIDTH - 1);
                     mask &= mask - 1;
-                    while mask != 0 {
-                        let slot = 31 - mask.leading_zeros() as usize;
-                        mask &= !(1 << slot);
-                        stack.push(node.child[slot & (WIDTH - 1)]);
-                    }
+                    // Without a loop: how often it would run is as good as random.
+                    stack.push_all(mask.count_ones() as usize, |free| F::gather(&node.child, mask, free));
                     word = node.child[first];
                     continue;
                 }
             }
         } else if is_shape(word) {
-            if shape_hit(view, word, &prepared, t_max).is_some() {
+            if shape_hit(view, word, prepared, t_max).is_some() {
                 return true;
             }
         } else {
