@@ -46,6 +46,9 @@ pub(crate) struct Scene {
     occluded: unsafe extern "C" fn(Handle, *mut RayHit, *mut c_void),
 }
 
+// SAFETY: Embree's scenes may be asked by several threads once they are committed.
+unsafe impl Sync for Scene {}
+
 impl Embree {
     /// Opens the library that `ETENDUE_EMBREE` names; `None` where it is not set.
     pub(crate) fn open() -> Option<Self> {
@@ -58,7 +61,7 @@ impl Embree {
         this.device = unsafe {
             let new: Symbol<'_, unsafe extern "C" fn(*const c_char) -> Handle> =
                 this.symbol(b"rtcNewDevice\0");
-            new(c"threads=1".as_ptr())
+            new(c"".as_ptr())
         };
         assert!(!this.device.is_null(), "Embree gives no device");
         Some(this)
