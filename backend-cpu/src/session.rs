@@ -1,10 +1,14 @@
 //! A scene with its tree, and the jobs on it.
 
 use crate::schedule::{image_chunks, run_blocks, single_chunks};
+use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session};
 use etendue_core::film::{Film, FilmError, FilmSettings};
+use etendue_core::geometry::SurfacePoint;
+use etendue_core::math::Vec3;
 use etendue_core::scene::CompiledScene;
+use etendue_core::transport::path::PathTracer;
 use etendue_core::transport::{TransportCode, resolve_probe};
 use etendue_core::with_path_tracer;
 use std::sync::Arc;
@@ -54,6 +58,32 @@ impl CpuSession {
     }
 }
 
+widest! {
+    /// [`PathTracer::pixel_block`] of a job.
+    fn pixel_block[const L: bool, const T: bool, const S: bool](
+        tracer: &PathTracer<'_, L, T, S>,
+        tree: &Tree,
+        pixel: [u32; 2],
+        job: &PathJob,
+        block: u32,
+    ) -> ([f64; 3], u64) {
+        tracer.pixel_block(tree, pixel, job.seed, block, job.block_length)
+    }
+}
+
+widest! {
+    /// [`PathTracer::probe_block`] of a job.
+    fn probe_block[const L: bool, const T: bool, const S: bool](
+        tracer: &PathTracer<'_, L, T, S>,
+        tree: &Tree,
+        probe: (u32, SurfacePoint, Vec3),
+        job: &PathJob,
+        block: u32,
+    ) -> ([f64; 3], u64) {
+        tracer.probe_block(tree, probe, job.seed, block, job.block_length)
+    }
+}
+
 impl Session for CpuSession {
     fn scene(&self) -> &CompiledScene {
         &self.scene
@@ -76,7 +106,7 @@ impl Session for CpuSession {
         with_path_tracer!(self.code, &self.scene, job.max_depth, |tracer| {
             let mean = |element: u32, block: u32| {
                 let pixel = [element % width, element / width];
-                tracer.pixel_block(&self.tree, pixel, job.seed, block, job.block_length)
+                pixel_block(&tracer, &self.tree, pixel, job, block)
             };
             run_blocks(&self.pool, job, &chunks, mean, control, film)
         })
@@ -99,7 +129,7 @@ impl Session for CpuSession {
         with_path_tracer!(self.code, &self.scene, job.max_depth, |tracer| {
             let mean = |element: u32, block: u32| {
                 let (point, normal) = points[element as usize];
-                tracer.probe_block(&self.tree, (element, point, normal), job.seed, block, job.block_length)
+                probe_block(&tracer, &self.tree, (element, point, normal), job, block)
             };
             run_blocks(&self.pool, job, &chunks, mean, control, film)
         })

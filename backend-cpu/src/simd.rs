@@ -5,18 +5,18 @@
 
 /// Defines a function whose body is compiled for AVX2 too and runs so where the machine has it.
 ///
-/// All that the body calls must be `#[inline]`, or it stays portable code.
+/// All that the body calls must be `#[inline(always)]`, or it may stay portable code. Generic parameters stand in brackets.
 #[allow(unused_macros, reason = "used by the loops over slices")]
 macro_rules! widest {
-    ($(#[$meta:meta])* $vis:vis fn $name:ident($($arg:ident: $ty:ty),* $(,)?) $(-> $out:ty)? $body:block) => {
+    ($(#[$meta:meta])* $vis:vis fn $name:ident $([$($generics:tt)*])? ($($arg:ident: $ty:ty),* $(,)?) $(-> $out:ty)? $body:block) => {
         $(#[$meta])*
-        $vis fn $name($($arg: $ty),*) $(-> $out)? {
+        $vis fn $name $(<$($generics)*>)? ($($arg: $ty),*) $(-> $out)? {
             #[inline(always)]
-            fn body($($arg: $ty),*) $(-> $out)? $body
+            fn body $(<$($generics)*>)? ($($arg: $ty),*) $(-> $out)? $body
             #[cfg(target_arch = "x86_64")]
             {
-                #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-                fn wide($($arg: $ty),*) $(-> $out)? {
+                #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+                fn wide $(<$($generics)*>)? ($($arg: $ty),*) $(-> $out)? {
                     body($($arg),*)
                 }
                 if $crate::simd::has_avx2() {

@@ -1,6 +1,6 @@
 //! The exact math of etendue: light transport as scalar functions over slices.
 //!
-//! `no_std` + `alloc`, no unsafe code, no I/O, no threads. Backends schedule these functions or twin them on other
+//! `no_std` + `alloc` (the feature `std` only makes square roots cheaper), no unsafe code, no I/O, no threads. Backends schedule these functions or twin them on other
 //! devices; the conformance suite holds the twins to the same answers. Kernels are f32 built from `+ - * / sqrt` and
 //! the polynomials of [`math`], so that every IEEE machine gives the same bits.
 //!
@@ -10,7 +10,7 @@
 #![forbid(unsafe_code)]
 
 extern crate alloc;
-#[cfg(test)]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
 pub mod backend;

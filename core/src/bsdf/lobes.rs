@@ -49,7 +49,7 @@ impl Lobes {
     }
 
     /// f(wo, wi) \[1/sr\] per channel, the mirror left out (it has no value at any direction).
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
         if self.mirror {
             return Vec3::ZERO;
@@ -62,7 +62,7 @@ impl Lobes {
     }
 
     /// Density per solid angle with which [`Self::sample`] draws `wi`; 0 for a mirror.
-    #[inline]
+    #[inline(always)]
     pub fn pdf_solid_angle(&self, n: Vec3, wo: Vec3, wi: Vec3) -> f32 {
         if self.mirror {
             return 0.0;
@@ -77,7 +77,7 @@ impl Lobes {
 
     /// A direction in proportion to the lobes. `u` chooses the direction, `lobe` the lobe, all in [0, 1).
     /// `None` where the light is absorbed: a black surface or a direction below it.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, n: Vec3, wo: Vec3, u: [f32; 2], lobe: f32) -> Option<BsdfSample> {
         if self.mirror {
             let wi = phong::mirror_direction(n, wo);

@@ -31,7 +31,7 @@ pub struct LightSample {
 
 /// Picks a light and a place on it. `pick` is a full 32-bit random number, `u` in [0, 1).
 /// `None` where the chosen light sends nothing to `p`.
-#[inline]
+#[inline(always)]
 pub fn sample_lights(
     lights: &[LightRecord],
     cumulative: &[u32],
@@ -114,7 +114,7 @@ pub fn sample(light: &LightRecord, p: Vec3, u: [f32; 2]) -> Option<LightSample> 
 }
 
 /// A uniformly chosen place on a flat light, as a sample per solid angle.
-#[inline]
+#[inline(always)]
 fn surface_sample(light: &LightRecord, p: Vec3, point: Vec3, normal: Vec3) -> Option<LightSample> {
     let to = point - p;
     let d2 = to.dot(to);
@@ -140,7 +140,7 @@ fn surface_sample(light: &LightRecord, p: Vec3, point: Vec3, normal: Vec3) -> Op
 }
 
 /// Largest distance between two points of a surface light, within a factor of two \[m\].
-#[inline]
+#[inline(always)]
 fn extent(light: &LightRecord) -> f32 {
     if light.kind == LightKind::Sphere as u32 || light.kind == LightKind::Disk as u32 {
         return light.params[0];
@@ -198,7 +198,7 @@ fn sample_sphere_light(light: &LightRecord, p: Vec3, u: [f32; 2]) -> Option<Ligh
 
 /// Density per solid angle at `p` with which [`sample_lights`] draws the direction `wi` (unit) that meets a surface
 /// light at distance `distance` where its unit normal is `normal`; 0 from behind.
-#[inline]
+#[inline(always)]
 pub fn pdf_solid_angle(light: &LightRecord, p: Vec3, wi: Vec3, distance: f32, normal: Vec3) -> f32 {
     if light.kind == LightKind::Sphere as u32 {
         let to = Vec3::from_array(light.point) - p;
@@ -215,7 +215,7 @@ pub fn pdf_solid_angle(light: &LightRecord, p: Vec3, wi: Vec3, distance: f32, no
 
 /// The shadow ray of a sample, from a surface point with its unit normal `ng` on the receiving side. Both ends are
 /// offset, so that neither the surface left nor the light itself is in the way.
-#[inline]
+#[inline(always)]
 pub fn shadow_ray(sample: &LightSample, from: &SurfacePoint, ng: Vec3) -> Ray {
     if sample.distant {
         return Ray { origin: offset_origin(from, ng, sample.wi), direction: sample.wi, t_max: f32::MAX };

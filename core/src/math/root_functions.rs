@@ -8,6 +8,13 @@ use super::bits::upper8;
 #[inline(always)]
 #[must_use]
 pub fn sqrt(x: f32) -> f32 {
+    // Both are correctly rounded. libm has it as inline assembly, which the compiler can neither move nor make vectors of.
+    #[cfg(feature = "std")]
+    #[allow(clippy::disallowed_methods, reason = "this is the door")]
+    {
+        x.sqrt()
+    }
+    #[cfg(not(feature = "std"))]
     libm::sqrtf(x)
 }
 

@@ -62,7 +62,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 
     /// Starts a camera path through pixel (x, y). Without a camera the path is done at once.
-    #[inline]
+    #[inline(always)]
     pub fn start_camera(&self, x: u32, y: u32, sampler: BlockSampler) -> (PathState, Query) {
         let Some(camera) = &self.scene.camera else { return (PathState::new(sampler), Query::Done) };
         let [u, v, lens_u, lens_v] = if camera.lens_radius > 0.0 {
@@ -80,7 +80,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
 
     /// Starts a path that measures the irradiance \[W/m^2\] at a point with unit normal `n`: the reflected radiance of
     /// a white Lambert surface there, times pi.
-    #[inline]
+    #[inline(always)]
     pub fn start_probe(&self, point: SurfacePoint, n: Vec3, sampler: BlockSampler) -> (PathState, Query) {
         let mut state = PathState::new(sampler);
         state.throughput = Vec3::splat(PI);
@@ -99,7 +99,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 
     /// Takes the answer to the last query and says what is asked next.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&self, state: &mut PathState, answer: Answer) -> Query {
         match answer {
             Answer::Closest(hit) => self.arrive(state, hit),
@@ -113,7 +113,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 
     /// The path has reached a surface, or nothing.
-    #[inline]
+    #[inline(always)]
     fn arrive(&self, state: &mut PathState, hit: Option<Hit>) -> Query {
         let Some(hit) = hit else {
             state.radiance += state.throughput * Vec3::from_array(self.scene.environment);
@@ -131,7 +131,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         self.scatter(state, &surface)
     }
 
-    #[inline]
+    #[inline(always)]
     fn add_emission(&self, state: &mut PathState, surface: &Surface, t: f32) {
         let Some(light) = self.scene.lights.get(surface.light as usize) else { return };
         let weight = if state.pdf > 0.0 {
@@ -145,7 +145,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 
     /// Samples a light and a direction at a vertex.
-    #[inline]
+    #[inline(always)]
     fn scatter(&self, state: &mut PathState, surface: &Surface) -> Query {
         let (light_group, lobe_group) = (1 + 2 * state.depth, 2 + 2 * state.depth);
         let shadow = self.sample_light(state, surface, light_group);
@@ -163,7 +163,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn continue_with(
         &self,
         state: &mut PathState,
@@ -188,7 +188,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 
     /// Light sampling: stores what it brings, returns the ray that must be free.
-    #[inline]
+    #[inline(always)]
     fn sample_light(&self, state: &mut PathState, surface: &Surface, group: u32) -> Option<Ray> {
         let scene = self.scene;
         if scene.lights.is_empty() || !surface.lobes.has_density() {
@@ -216,7 +216,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 
     /// Runs one path to its end; returns what it measures and the number of rays it took.
-    #[inline]
+    #[inline(always)]
     pub fn run<I: Intersector + ?Sized>(
         &self,
         intersector: &I,
@@ -231,6 +231,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 
     /// Mean of one block of camera paths through a pixel, summed in the order of the samples; and the rays it took.
+    #[inline(always)]
     pub fn pixel_block<I: Intersector + ?Sized>(
         &self,
         intersector: &I,
@@ -247,6 +248,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 
     /// Mean of one block of paths from a probe; and the rays it took.
+    #[inline(always)]
     pub fn probe_block<I: Intersector + ?Sized>(
         &self,
         intersector: &I,
@@ -262,7 +264,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
 }
 
 /// Mean of `length` samples (a power of two, so that the division is exact), and the sum of their rays.
-#[inline]
+#[inline(always)]
 fn block_mean(length: u32, mut sample: impl FnMut(u32) -> (Vec3, u32)) -> ([f64; 3], u64) {
     let mut sum = [0.0_f64; 3];
     let mut rays = 0;

@@ -60,7 +60,7 @@ impl Surface {
 }
 
 /// Evaluates the surface at a hit. `None` where the hit names no usable surface (never for hits of this scene).
-#[inline]
+#[inline(always)]
 pub fn surface_at<const LOBES: bool, const TEXTURES: bool, const SHADING: bool>(
     scene: &CompiledScene,
     ray: &Ray,

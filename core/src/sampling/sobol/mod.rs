@@ -121,7 +121,7 @@ impl BlockSampler {
     }
 
     /// Four dimensions of `group < 2^29` as 32-bit fractions.
-    #[inline]
+    #[inline(always)]
     pub fn bits4(&self, group: u32) -> [u32; 4] {
         let i = self.shuffled(group);
         let n = group << 3;
@@ -134,7 +134,7 @@ impl BlockSampler {
     }
 
     /// The first two dimensions of [`BlockSampler::bits4`], at half the price: a (0, k, 2)-net. Use a group one way or the other, not both.
-    #[inline]
+    #[inline(always)]
     pub const fn bits2(&self, group: u32) -> [u32; 2] {
         let i = self.shuffled(group);
         let n = group << 3;
@@ -145,13 +145,13 @@ impl BlockSampler {
     }
 
     /// Four unit numbers of `group`, each in `[0, 1 - 2^-24]`.
-    #[inline]
+    #[inline(always)]
     pub fn group4(&self, group: u32) -> [f32; 4] {
         self.bits4(group).map(u32_to_unit)
     }
 
     /// Two unit numbers of `group`, each in `[0, 1 - 2^-24]`; those of [`BlockSampler::group4`].
-    #[inline]
+    #[inline(always)]
     pub fn group2(&self, group: u32) -> [f32; 2] {
         self.bits2(group).map(u32_to_unit)
     }
