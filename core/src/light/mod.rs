@@ -58,7 +58,7 @@ fn spot_falloff(cos: f32, params: [f32; 2]) -> f32 {
 }
 
 /// A place on one light as seen from `p`; the density includes the light's pick probability.
-#[inline]
+#[inline(always)]
 pub fn sample(light: &LightRecord, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
     let radiance = Vec3::from_array(light.radiance);
     let at = Vec3::from_array(light.point);

@@ -242,9 +242,12 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     ) -> ([f64; 3], u64) {
         let width = self.scene.camera.map_or(0, |c| c.width);
         let stream = y.wrapping_mul(width).wrapping_add(x);
-        block_mean(block_length, |i| {
-            self.run(intersector, self.start_camera(x, y, BlockSampler::new(seed, stream, block, i)))
-        })
+        let mut sum = BlockSum::default();
+        for i in 0..block_length {
+            let start = self.start_camera(x, y, BlockSampler::new(seed, stream, block, i));
+            sum.add(self.run(intersector, start));
+        }
+        sum.mean(block_length)
     }
 
     /// Mean of one block of paths from a probe; and the rays it took.
@@ -257,25 +260,36 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         block: u32,
         block_length: u32,
     ) -> ([f64; 3], u64) {
-        block_mean(block_length, |i| {
-            self.run(intersector, self.start_probe(point, normal, BlockSampler::new(seed, index, block, i)))
-        })
+        let mut sum = BlockSum::default();
+        for i in 0..block_length {
+            let start = self.start_probe(point, normal, BlockSampler::new(seed, index, block, i));
+            sum.add(self.run(intersector, start));
+        }
+        sum.mean(block_length)
     }
 }
 
-/// Mean of `length` samples (a power of two, so that the division is exact), and the sum of their rays.
-#[inline(always)]
-fn block_mean(length: u32, mut sample: impl FnMut(u32) -> (Vec3, u32)) -> ([f64; 3], u64) {
-    let mut sum = [0.0_f64; 3];
-    let mut rays = 0;
-    for i in 0..length {
-        let (value, n) = sample(i);
-        rays += u64::from(n);
-        for (s, x) in sum.iter_mut().zip(value.to_array()) {
+/// Sum of samples in their order, and of their rays.
+#[derive(Default)]
+struct BlockSum {
+    sum: [f64; 3],
+    rays: u64,
+}
+
+impl BlockSum {
+    #[inline(always)]
+    fn add(&mut self, (value, rays): (Vec3, u32)) {
+        self.rays += u64::from(rays);
+        for (s, x) in self.sum.iter_mut().zip(value.to_array()) {
             *s += f64::from(x);
         }
     }
-    (sum.map(|s| s / f64::from(length.max(1))), rays)
+
+    /// Mean of `length` samples (a power of two, so that the division is exact), and the sum of their rays.
+    #[inline(always)]
+    fn mean(&self, length: u32) -> ([f64; 3], u64) {
+        (self.sum.map(|s| s / f64::from(length.max(1))), self.rays)
+    }
 }
 
 impl PathState {
