@@ -120,12 +120,36 @@ fn compare(seed: u64, soups: u32, rays: u32) {
         let oracle = BruteForce { primitives: s.primitives() };
         let trees: Vec<WideTree> =
             sets().into_iter().map(|i| WideTree::build(&s.primitives()).with_isa(i)).collect();
+        let mut all = Vec::new();
         for _ in 0..rays {
             let ray = ray(&mut r, &s);
             hits += u32::from(agree(&trees, &oracle, &ray, || format!("soup {k} of seed {seed}")));
+            all.push(ray);
+            // Neighbours of some, for packets that stay together.
+            while all.len() % 8 != 0 && r.below(12) != 0 {
+                let origin = if r.below(2) == 0 { ray.origin } else { ray.origin + r.vec3() * 0.01 };
+                let direction = ray.direction + r.vec3() * ray.direction.length() * 0.02;
+                let t_max = if r.below(3) == 0 { 1.0 } else { ray.t_max };
+                all.push(Ray { origin, direction, t_max });
+            }
         }
+        batches_agree(&trees, &all, k);
     }
     assert!(hits > soups * rays / 20, "too few rays hit anything: {hits}");
+}
+
+/// Rays by batches give what they give one by one.
+fn batches_agree(trees: &[WideTree], rays: &[Ray], k: u32) {
+    let mut found = vec![None; rays.len()];
+    let mut occluded = vec![false; rays.len()];
+    for tree in trees {
+        tree.closest_hits(rays, &mut found);
+        tree.any_hits(rays, &mut occluded);
+        for ((ray, found), occluded) in rays.iter().zip(&found).zip(&occluded) {
+            assert_eq!(bits(*found), bits(tree.closest_hit(ray)), "soup {k}, {:?}: {ray:?}", tree.isa());
+            assert_eq!(*occluded, tree.occluded(ray), "soup {k}, {:?}: {ray:?}", tree.isa());
+        }
+    }
 }
 
 /// Whether the ray hits anything: the same for all.
@@ -212,6 +236,29 @@ fn a_tree_says_what_it_cannot_be_refitted_to() {
     // As it was: the first triangle alone.
     let ray = Ray { origin: Vec3::new(0.2, 0.2, 1.0), direction: Vec3::NEG_Z, t_max: 9.0 };
     assert_eq!(tree.closest_hit(&ray).map(|h| h.primitive), Some(0));
+}
+
+#[test]
+fn a_batch_fills_what_it_is_given() {
+    let mut r = Random(10);
+    let s = soup(&mut r);
+    let tree = WideTree::build(&s.primitives());
+    let rays: Vec<Ray> = (0..21).map(|_| ray(&mut r, &s)).collect();
+    let expected: Vec<_> = rays.iter().map(|ray| bits(tree.closest_hit(ray))).collect();
+    for given in [0, 5, 8, 19, 21, 30] {
+        let mut hits = vec![Some(Hit { t: -7.0, primitive: 0, b1: 0.0, b2: 0.0 }); given];
+        let mut occluded = vec![true; given];
+        tree.closest_hits(&rays, &mut hits);
+        tree.any_hits(&rays, &mut occluded);
+        for (i, hit) in hits.iter().enumerate() {
+            if i < rays.len() {
+                assert_eq!(bits(*hit), expected[i]);
+                assert_eq!(occluded[i], expected[i].is_some());
+            } else {
+                assert_eq!(hit.unwrap().t, -7.0, "beyond the rays nothing is written");
+            }
+        }
+    }
 }
 
 #[test]

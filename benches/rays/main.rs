@@ -41,6 +41,19 @@ fn ask<T: Intersector>(tree: &T, rays: &[Ray], closest: bool) -> f64 {
     if closest { rays.iter().map(first).sum() } else { rays.iter().map(any).sum() }
 }
 
+/// The same by batches.
+fn ask_batch(tree: &WideTree, rays: &[Ray], closest: bool) -> f64 {
+    if closest {
+        let mut hits = vec![None; rays.len()];
+        tree.closest_hits(rays, &mut hits);
+        hits.iter().map(|h| h.map_or(0.0, |h| f64::from(h.t.min(1e3)))).sum()
+    } else {
+        let mut occluded = vec![false; rays.len()];
+        tree.any_hits(rays, &mut occluded);
+        occluded.iter().map(|o| f64::from(u8::from(*o))).sum()
+    }
+}
+
 fn ask_embree(scene: &embree::Scene, rays: &[Ray], closest: bool) -> f64 {
     let first = |r: &Ray| scene.closest(r).map_or(0.0, |t| f64::from(t.min(1e3)));
     let any = |r: &Ray| f64::from(u8::from(scene.occluded(r)));
@@ -129,6 +142,7 @@ fn mesh_table(mesh: &Mesh, embree: Option<&Embree>, all: &mut Vec<f64>) {
         add("wide", Box::new(move |r, c| ask(wide, r, c)));
         if threads == 1 {
             add("wide, thorough", Box::new(move |r, c| ask(thorough, r, c)));
+            add("wide, batches", Box::new(move |r, c| ask_batch(wide, r, c)));
         }
     }
     let mut cells = vec![vec![Vec::new(); sets.len()]; contenders.len()];

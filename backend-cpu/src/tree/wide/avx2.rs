@@ -149,6 +149,19 @@ impl Fused for F8 {
     }
 
     #[inline(always)]
+    fn least_of(self, bits: u32) -> f32 {
+        // SAFETY: no memory is touched; the caller is compiled for AVX2.
+        unsafe {
+            let lanes = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
+            let taken = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(bits as i32), lanes), lanes);
+            let x = _mm256_blendv_ps(_mm256_set1_ps(f32::INFINITY), self.0, _mm256_castsi256_ps(taken));
+            let x = _mm_min_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps::<1>(x));
+            let x = _mm_min_ps(x, _mm_movehl_ps(x, x));
+            _mm_cvtss_f32(_mm_min_ss(x, _mm_shuffle_ps::<1>(x, x)))
+        }
+    }
+
+    #[inline(always)]
     fn at_most_and_ulps<const ULPS: i32>(self, other: Self) -> u32 {
         // As integers: an addition is quicker than a product, and a number that is not negative is in the same order. A negative
         // one is a negative integer, and stays one.

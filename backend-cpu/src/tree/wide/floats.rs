@@ -58,6 +58,8 @@ pub(super) trait Floats: Copy {
 pub(super) trait Fused: Floats {
     /// `self * factor + term`, rounded once.
     fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// The least of the lanes whose bits are set; infinity where none is.
+    fn least_of(self, bits: u32) -> f32;
     /// A bit for each lane where `self`, not negative, is at most `other` and `ULPS` units in its last place.
     fn at_most_and_ulps<const ULPS: i32>(self, other: Self) -> u32;
 }

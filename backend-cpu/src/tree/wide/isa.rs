@@ -2,6 +2,7 @@
 
 use super::floats::Portable;
 use super::lanes::Plain;
+use super::packet::{self, RAYS};
 use super::walk::{self, View};
 use etendue_core::geometry::{Hit, PreparedRay, Ray};
 
@@ -61,6 +62,24 @@ mod entry {
         }
     }
 
+    /// `None` where the rays do not run alike.
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    pub(super) fn closest_packet_avx2(view: View<'_>, rays: &[Ray; RAYS]) -> Option<[Option<Hit>; RAYS]> {
+        let (prepared, t_max) = packet::prepare(rays);
+        if packet::alike(&view, &prepared) {
+            Some(packet::closest::<F8>(&view, &prepared, t_max))
+        } else {
+            None
+        }
+    }
+
+    /// `None` where the rays do not run alike.
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    pub(super) fn any_packet_avx2(view: View<'_>, rays: &[Ray; RAYS]) -> Option<u32> {
+        let (prepared, t_max) = packet::prepare(rays);
+        if packet::alike(&view, &prepared) { Some(packet::any::<F8>(&view, &prepared, t_max)) } else { None }
+    }
+
     #[cold]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn any_plain(view: View<'_>, ray: &PreparedRay, t_max: f32) -> bool {
@@ -98,4 +117,34 @@ pub(super) fn any(isa: Isa, view: View<'_>, ray: &Ray) -> bool {
         }
         _ => walk::any::<Portable, Plain<Portable>>(view, &PreparedRay::new(ray), ray.t_max),
     }
+}
+
+/// The closest hits of eight rays, together where they run alike; precondition as for [`closest`].
+#[inline]
+pub(super) fn closest_packet(isa: Isa, view: View<'_>, rays: &[Ray; RAYS]) -> [Option<Hit>; RAYS] {
+    #[cfg(target_arch = "x86_64")]
+    if isa == Isa::Avx2 {
+        // SAFETY: as above.
+        #[expect(unsafe_code, reason = "the one way into code compiled for more features")]
+        let together = unsafe { entry::closest_packet_avx2(view, rays) };
+        if let Some(hits) = together {
+            return hits;
+        }
+    }
+    rays.each_ref().map(|ray| closest(isa, view, ray))
+}
+
+/// A bit for each of eight rays that hits anything; precondition as for [`closest`].
+#[inline]
+pub(super) fn any_packet(isa: Isa, view: View<'_>, rays: &[Ray; RAYS]) -> u32 {
+    #[cfg(target_arch = "x86_64")]
+    if isa == Isa::Avx2 {
+        // SAFETY: as above.
+        #[expect(unsafe_code, reason = "the one way into code compiled for more features")]
+        let together = unsafe { entry::any_packet_avx2(view, rays) };
+        if let Some(hits) = together {
+            return hits;
+        }
+    }
+    rays.iter().enumerate().fold(0, |bits, (i, ray)| bits | u32::from(any(isa, view, ray)) << i)
 }

@@ -28,7 +28,7 @@ pub(super) struct View<'a> {
 
 /// Distance and child word in one number: the distance is not negative, so that integers order entries by it.
 #[inline(always)]
-fn entry(distance: f32, child: u32) -> u64 {
+pub(super) fn entry(distance: f32, child: u32) -> u64 {
     u64::from(distance.to_bits()) << 32 | u64::from(child)
 }
 
@@ -39,17 +39,17 @@ fn sort2(a: u64, b: u64) -> (u64, u64) {
 
 /// Room for a stack of fixed size that is not cleared for every ray. Aligned, so that the compiler aligns what it keeps beside it.
 #[repr(align(64))]
-struct Room<T>([MaybeUninit<T>; STACK]);
+pub(super) struct Room<T>([MaybeUninit<T>; STACK]);
 
 impl<T: Copy> Room<T> {
     #[inline(always)]
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self([const { MaybeUninit::uninit() }; STACK])
     }
 }
 
 /// A stack; what does not fit is dropped, which the build rules out.
-struct Stack<'a, T> {
+pub(super) struct Stack<'a, T> {
     /// The first `len` are written.
     entries: &'a mut [MaybeUninit<T>; STACK],
     len: usize,
@@ -57,12 +57,12 @@ struct Stack<'a, T> {
 
 impl<'a, T: Copy> Stack<'a, T> {
     #[inline(always)]
-    fn new(room: &'a mut Room<T>) -> Self {
+    pub(super) fn new(room: &'a mut Room<T>) -> Self {
         Self { entries: &mut room.0, len: 0 }
     }
 
     #[inline(always)]
-    fn push(&mut self, e: T) {
+    pub(super) fn push(&mut self, e: T) {
         debug_assert!(self.len < STACK, "the build checks the depth");
         if let Some(slot) = self.entries.get_mut(self.len) {
             slot.write(e);
@@ -81,7 +81,7 @@ impl<'a, T: Copy> Stack<'a, T> {
     }
 
     #[inline(always)]
-    fn pop(&mut self) -> Option<T> {
+    pub(super) fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;
         // SAFETY: `len` counts writes, and it was above this place.
         #[expect(unsafe_code, reason = "clearing the stack for every ray costs a tenth of its time")]
@@ -151,7 +151,7 @@ fn descend(node: &Node, Eight(entries): &Eight, mut mask: u32, stack: &mut Stack
 
 /// First block and number of blocks of a leaf word.
 #[inline(always)]
-fn blocks_of(word: u32) -> (usize, usize) {
+pub(super) fn blocks_of(word: u32) -> (usize, usize) {
     ((word & PLACE) as usize, (word >> KIND_SHIFT & 7) as usize + 1)
 }
 
@@ -271,7 +271,7 @@ pub(super) fn any<F: Floats, B: BoxTest<F>>(view: View<'_>, prepared: &PreparedR
 }
 
 #[inline(never)]
-fn shape_hit(view: View<'_>, word: u32, ray: &PreparedRay, t_max: f32) -> Option<Hit> {
+pub(super) fn shape_hit(view: View<'_>, word: u32, ray: &PreparedRay, t_max: f32) -> Option<Hit> {
     let place = word & PLACE;
     let t = intersect_shape(ray, view.shapes.get(place as usize)?, t_max)?;
     Some(Hit { t, primitive: view.first_shape + place, b1: 0.0, b2: 0.0 })
