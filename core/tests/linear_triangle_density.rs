@@ -175,6 +175,14 @@ fn slices_have_the_bits_of_single_samples() {
 }
 
 #[test]
+fn the_lightest_vertex_is_the_apex_even_where_scaling_makes_two_equal() {
+    // Scaled by 2^-127 both small weights are 0; a sample at u = 0 lies at the lightest vertex as given.
+    assert_eq!(sample([1e-10, 3e38, 5e-11], [0.0, 0.3]), [0.0, 0.0, 1.0]);
+    assert_eq!(sample([3e38, 5e-11, 1e-10], [0.0, 0.3]), [0.0, 1.0, 0.0]);
+    assert_eq!(sample([1e-40, 3e38, 2e-40], [0.0, 0.3]), [1.0, 0.0, 0.0]);
+}
+
+#[test]
 fn degenerate_input_has_its_documented_value() {
     let u = [0.3, 0.6];
     assert_eq!(sample([0.0; 3], u), sample([1.0; 3], u));

@@ -5,7 +5,7 @@ use crate::statistics::Random;
 use etendue_core::kernel::Kernel;
 
 /// Hard weights, to be turned about.
-const HARD_WEIGHTS: [[f32; 3]; 12] = [
+const HARD_WEIGHTS: [[f32; 3]; 13] = [
     [1.0, 1.0, 1.0],
     [0.0, 0.0, 0.0],
     [0.0, 0.0, 1.0],
@@ -17,6 +17,7 @@ const HARD_WEIGHTS: [[f32; 3]; 12] = [
     [1e-30, 1.0, 1.0],
     [3e38, 3e38, 3e38],
     [1e38, 3e38, 2e-30],
+    [1e-10, 3e38, 5e-11],
     [-1.0, 2.0, 3.0],
 ];
 

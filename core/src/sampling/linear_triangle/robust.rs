@@ -49,13 +49,21 @@ fn scale_of(x: f32) -> f32 {
     f32::from_bits((if field > 0x0080_0000 { field } else { 0x0080_0000 }) as u32)
 }
 
-/// The weights made valid and scaled: negative and NaN count as 0, infinity as `f32::MAX`, all zeros as all ones.
+/// The weights made valid: negative and NaN count as 0, infinity as `f32::MAX`.
+#[inline(always)]
+fn valid(weights: [f32; 3]) -> [f32; 3] {
+    let [a, b, c] = weights;
+    [min(max(a, 0.0), f32::MAX), min(max(b, 0.0), f32::MAX), min(max(c, 0.0), f32::MAX)]
+}
+
+/// The weights made valid and scaled by a power of two, the largest to [1, 4); three zeros count as three ones.
 #[inline(always)]
 pub(super) fn scaled(weights: [f32; 3]) -> [f32; 3] {
-    let [a, b, c] = weights;
-    let a = min(max(a, 0.0), f32::MAX);
-    let b = min(max(b, 0.0), f32::MAX);
-    let c = min(max(c, 0.0), f32::MAX);
+    scaled_valid(valid(weights))
+}
+
+#[inline(always)]
+fn scaled_valid([a, b, c]: [f32; 3]) -> [f32; 3] {
     let largest = max(max(a, b), c);
     // 2^24 makes every subnormal normal; both products are exact.
     let lift = if largest < f32::MIN_POSITIVE { 16_777_216.0 } else { 1.0 };
@@ -68,9 +76,11 @@ pub(super) fn scaled(weights: [f32; 3]) -> [f32; 3] {
 /// Scales and rotates: the apex is the lightest vertex, of equal ones that of least index.
 #[inline(always)]
 pub(super) fn rotated(weights: [f32; 3]) -> Rotated {
-    let [a, b, c] = scaled(weights);
+    // Before they are scaled: next to a huge one, small weights may become equal.
+    let [a, b, c] = valid(weights);
     let first = (a <= b) & (a <= c);
     let second = b <= c;
+    let [a, b, c] = scaled_valid([a, b, c]);
     let w0 = if first {
         a
     } else if second {
@@ -314,9 +324,21 @@ pub(super) fn along(w: [f32; 3], s: f32, c: f32, eta: f32) -> [f32; 2] {
 /// See [`super::sample`].
 #[inline(always)]
 pub(super) fn sample(weights: [f32; 3], u: [f32; 2]) -> [f32; 3] {
+    second_half(weights, first_half(weights, u[0]), u[1])
+}
+
+/// Distance from the apex and its complement: the first half of [`sample`].
+#[inline(always)]
+pub(super) fn first_half(weights: [f32; 3], u: f32) -> [f32; 2] {
+    distance(rotated(weights).w, unit(u))
+}
+
+/// The rest of [`sample`]. It rotates anew: that costs less than the registers to remember it.
+#[inline(always)]
+pub(super) fn second_half(weights: [f32; 3], distance: [f32; 2], u: f32) -> [f32; 3] {
     let r = rotated(weights);
-    let [s, c] = distance(r.w, unit(u[0]));
-    let [b1, b2] = along(r.w, s, c, unit(u[1]));
+    let [s, c] = distance;
+    let [b1, b2] = along(r.w, s, c, unit(u));
     r.back([c, b1, b2])
 }
 

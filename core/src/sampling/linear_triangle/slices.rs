@@ -11,8 +11,13 @@ pub const LANES: usize = 64;
 #[inline(always)]
 pub fn sample_lanes(weights: &[[f32; LANES]; 3], u: &[[f32; LANES]; 2], bary: &mut [[f32; LANES]; 3]) {
     let ([w0, w1, w2], [u0, u1], [b0, b1, b2]) = (weights, u, bary);
+    // In two loops: one needs more registers than there are.
+    let (mut s, mut c) = ([0.0; LANES], [0.0; LANES]);
     for i in 0..LANES {
-        [b0[i], b1[i], b2[i]] = robust::sample([w0[i], w1[i], w2[i]], [u0[i], u1[i]]);
+        [s[i], c[i]] = robust::first_half([w0[i], w1[i], w2[i]], u0[i]);
+    }
+    for i in 0..LANES {
+        [b0[i], b1[i], b2[i]] = robust::second_half([w0[i], w1[i], w2[i]], [s[i], c[i]], u1[i]);
     }
 }
 
