@@ -4,6 +4,7 @@ use etendue_core::geometry::{BruteForce, Bvh2, Intersector, Primitives, Ray};
 use etendue_core::math::Vec3;
 use etendue_core::sampling::discrete::IntegerCdf;
 use etendue_core::sampling::{u32_to_unit, warp};
+use etendue_cpu::tree::{Isa, WideTree};
 
 fn words(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
     bytes.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]]))
@@ -47,9 +48,41 @@ pub fn geometry(bytes: &[u8]) {
     assert_eq!(hit, tree.closest_hit(&ray));
     assert_eq!(hit.is_some(), tree.occluded(&ray));
     assert_eq!(hit.is_some(), oracle.occluded(&ray));
+    wide_tree(&primitives, &ray, &oracle);
     if let Some(hit) = hit {
         assert!(hit.t >= 0.0 && hit.t <= t_max);
         assert!(hit.b1 >= 0.0 && hit.b2 >= 0.0 && hit.b1 + hit.b2 <= 1.0);
+    }
+}
+
+/// The CPU's wide tree, in both of its forms, ray by ray, by batches and refitted: the oracle's bits.
+fn wide_tree(primitives: &Primitives<'_>, ray: &Ray, oracle: &BruteForce<'_>) {
+    // Neighbours of the ray, which walk together where they may.
+    let rays: [Ray; 8] = core::array::from_fn(|i| {
+        let shift = if i < 4 { 0.0 } else { i as f32 * 1e-3 };
+        Ray {
+            origin: ray.origin + Vec3::splat(shift),
+            direction: ray.direction * (1.0 + 0.1 * i as f32),
+            t_max: ray.t_max,
+        }
+    });
+    let expected = rays.map(|ray| oracle.closest_hit(&ray));
+    let native = WideTree::build(primitives);
+    // Built of something else, then moved here.
+    let elsewhere: Vec<[f32; 3]> =
+        (0..primitives.positions.len()).map(|i| [i as f32, (i * i % 7) as f32, 1.0]).collect();
+    let mut moved = WideTree::build(&Primitives { positions: &elsewhere, ..*primitives });
+    moved.refit(primitives).expect("as many triangles, and all were present");
+    for tree in [native.clone().with_isa(Isa::Portable), native, moved] {
+        let (mut hits, mut occluded) = ([None; 8], [false; 8]);
+        tree.closest_hits(&rays, &mut hits);
+        tree.any_hits(&rays, &mut occluded);
+        for (i, ray) in rays.iter().enumerate() {
+            assert_eq!(tree.closest_hit(ray), expected[i], "{:?}", tree.isa());
+            assert_eq!(hits[i], expected[i], "{:?}", tree.isa());
+            assert_eq!(tree.occluded(ray), expected[i].is_some(), "{:?}", tree.isa());
+            assert_eq!(occluded[i], expected[i].is_some(), "{:?}", tree.isa());
+        }
     }
 }
 
