@@ -1,9 +1,10 @@
 //! A scene with its tree, and the jobs on it.
 
+use crate::illumination;
 use crate::schedule::{image_chunks, run_blocks, single_chunks};
 use crate::simd::widest;
 use crate::tree::Tree;
-use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session};
+use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, PhotonJob, Probe, Session};
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::SurfacePoint;
 use etendue_core::math::Vec3;
@@ -47,8 +48,17 @@ impl CpuSession {
 
     fn check(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
         job.check()?;
+        self.check_film("path", film, expected)
+    }
+
+    fn check_film(
+        &self,
+        method: &'static str,
+        film: &Film,
+        expected: &FilmSettings,
+    ) -> Result<(), BackendError> {
         if let Some(missing) = self.scene.needs.beyond_surfaces() {
-            return Err(BackendError::SceneNeeds { method: "path", missing });
+            return Err(BackendError::SceneNeeds { method, missing });
         }
         if film.settings() != expected {
             let error = FilmError::DifferentSettings { ours: *film.settings(), theirs: *expected };
@@ -133,5 +143,17 @@ impl Session for CpuSession {
             };
             run_blocks(&self.pool, job, &chunks, mean, control, film)
         })
+    }
+
+    fn illumination(
+        &self,
+        job: &PhotonJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        job.check()?;
+        let expected = backend::illumination_film_settings(&self.scene, job)?;
+        self.check_film("photon", film, &expected)?;
+        illumination::run(&self.pool, &self.scene, &self.tree, self.code, job, control, film)
     }
 }

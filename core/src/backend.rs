@@ -6,9 +6,11 @@
 //! reaches their math.
 
 use crate::film::{Film, FilmError, FilmSettings, scale_exponent};
+use crate::illumination;
 use crate::kernel::Kernel;
 use crate::math::Vec3;
 use crate::scene::CompiledScene;
+use crate::transport::photon::LightPlan;
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -55,6 +57,8 @@ pub enum BackendError {
     },
     /// An image was asked for and the scene has no camera.
     NoCamera,
+    /// Photons were asked for and nothing in the scene emits.
+    Dark,
     /// No device.
     NoAdapter {
         /// What was looked for.
@@ -105,6 +109,7 @@ impl fmt::Display for BackendError {
             Self::SceneNeeds { method, missing } => {
                 write!(f, "the scene needs {missing}, which method `{method}` of this version does not carry")
             }
+            Self::Dark => write!(f, "nothing in the scene emits light: there are no photons to start"),
             Self::NoCamera => write!(f, "the scene has no [camera], and an image needs one"),
             Self::NoAdapter { wanted } => write!(f, "no adapter found: {wanted}"),
             Self::LimitExceeded { what, asked, allowed } => {
@@ -219,6 +224,39 @@ impl PathJob {
     }
 }
 
+/// An illumination map by photons from the lights.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PhotonJob {
+    /// Seed of all samples.
+    pub seed: u64,
+    /// Photons of a replicate; a power of two. Part of the job: other numbers give other bits.
+    pub photons: u32,
+    /// The replicates to compute; each is independent of the others, and their spread is the error.
+    pub replicates: Range<u32>,
+    /// Most arrivals of a photon; `u32::MAX` for no limit.
+    pub max_hits: u32,
+    /// Whether the first arrivals from point, spot and directional lights count: no where their direct light is added in closed form.
+    pub registers_direct: bool,
+}
+
+impl PhotonJob {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A number of photons that is no power of two or above 2^26, or a reversed range of replicates.
+    pub fn check(&self) -> Result<(), BackendError> {
+        if !self.photons.is_power_of_two() || self.photons > 1 << 26 {
+            return Err(BackendError::BadJob {
+                reason: "photons must be a power of two up to 2^26 a replicate",
+            });
+        }
+        if self.replicates.start > self.replicates.end {
+            return Err(BackendError::BadJob { reason: "the range of replicates runs backwards" });
+        }
+        Ok(())
+    }
+}
+
 /// A point on a surface where irradiance is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
@@ -258,6 +296,34 @@ pub trait Session: Send + Sync {
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError>;
+
+    /// Irradiance on the scene's primitives by photons from the lights, into `film` (of [`illumination_film_settings`]). On an error the
+    /// film is unchanged.
+    ///
+    /// # Errors
+    /// When the scene needs more than surfaces, nothing emits, the film does not fit, the control cancels, or the backend has no photons.
+    fn illumination(
+        &self,
+        job: &PhotonJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let _ = (job, control, film);
+        Err(BackendError::Unsupported { backend: "chosen", what: "illumination maps".into() })
+    }
+}
+
+/// Settings of the film of an illumination map of this scene: one row of its primitives.
+///
+/// # Errors
+/// When nothing emits.
+pub fn illumination_film_settings(
+    scene: &CompiledScene,
+    job: &PhotonJob,
+) -> Result<FilmSettings, BackendError> {
+    let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
+    let elements = scene.primitives().count();
+    Ok(illumination::film_settings(elements, plan.total(), scene.area(), job.seed, job.photons))
 }
 
 /// The largest radiance, intensity or irradiance that a scene's lights state.

@@ -19,6 +19,7 @@ pub mod codec;
 pub mod direct;
 pub mod film;
 pub mod geometry;
+pub mod illumination;
 pub mod kernel;
 pub mod light;
 pub mod math;

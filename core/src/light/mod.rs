@@ -5,6 +5,8 @@
 //! size the radiance is a delta function and the quotient is intensity / distance^2 or the irradiance. All surface
 //! lights emit from their front only.
 
+pub mod emit;
+
 use crate::geometry::{Ray, SurfacePoint, offset_origin, segment};
 use crate::math::{self, TAU, Vec3};
 use crate::sampling::{discrete, warp};

@@ -5,6 +5,7 @@
 
 pub mod mis;
 pub mod path;
+pub mod photon;
 mod surface;
 
 use crate::geometry::{Hit, Intersector, Ray};

@@ -1,0 +1,129 @@
+//! Illumination maps by photons over a pool of threads.
+
+use crate::simd::widest;
+use crate::tree::Tree;
+use etendue_core::backend::{BackendError, Control, JobStats, PhotonJob};
+use etendue_core::film::Film;
+use etendue_core::geometry::Intersector;
+use etendue_core::illumination::{FluxUnit, element_areas, irradiance};
+use etendue_core::sampling::sobol::BlockSampler;
+use etendue_core::scene::CompiledScene;
+use etendue_core::transport::TransportCode;
+use etendue_core::transport::photon::{LightPlan, PhotonTracer};
+use etendue_core::with_photon_tracer;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+
+/// Photons of one task, and between two looks at the control.
+const TASK: u32 = 1 << 12;
+
+/// Sums of arrivals per primitive and channel; integers, so that any order gives the same.
+struct Sums(Vec<[AtomicI64; 3]>);
+
+impl Sums {
+    fn new(count: usize) -> Self {
+        Self((0..count).map(|_| [const { AtomicI64::new(0) }; 3]).collect())
+    }
+
+    #[inline(always)]
+    fn add(&self, element: u32, units: [i64; 3]) {
+        if let Some(sums) = self.0.get(element as usize) {
+            for (sum, x) in sums.iter().zip(units) {
+                sum.fetch_add(x, Ordering::Relaxed);
+            }
+        }
+    }
+
+    fn take(&mut self) -> Vec<[i64; 3]> {
+        self.0.iter_mut().map(|s| s.each_mut().map(|x| core::mem::take(x.get_mut()))).collect()
+    }
+}
+
+/// What all tasks of a job share.
+struct Shared<'a> {
+    scene: &'a CompiledScene,
+    tree: &'a Tree,
+    plan: &'a LightPlan,
+    job: &'a PhotonJob,
+    unit: FluxUnit,
+    sums: &'a Sums,
+}
+
+widest! {
+    /// Photons `first .. first + count` of a replicate; the rays that they took.
+    fn trace[const L: bool, const T: bool, const S: bool](
+        tracer: &PhotonTracer<'_, L, T, S>,
+        shared: &Shared<'_>,
+        replicate: u32,
+        first: u32,
+        count: u32,
+    ) -> u64 {
+        let mut rays = 0;
+        let named = BlockSampler::new(shared.job.seed, 0, replicate, 0);
+        for index in first..first + count {
+            let sampler = named.with_index(index);
+            let mut photon = tracer.start_from_lights(shared.plan, sampler, shared.job.registers_direct);
+            // A loop here instead of `PhotonTracer::run`, whose closure would stay portable code.
+            loop {
+                rays += 1;
+                let hit = shared.tree.closest_hit(&photon.ray);
+                let (arrival, lives) = tracer.advance(&mut photon, hit);
+                if let Some(a) = arrival {
+                    let [x, y, z] = a.flux.to_array();
+                    shared.sums.add(a.primitive, [shared.unit.units(x), shared.unit.units(y), shared.unit.units(z)]);
+                }
+                if !lives {
+                    break;
+                }
+            }
+        }
+        rays
+    }
+}
+
+/// Runs a job; the film is changed at the end or not at all.
+pub(crate) fn run(
+    pool: &rayon::ThreadPool,
+    scene: &CompiledScene,
+    tree: &Tree,
+    code: TransportCode,
+    job: &PhotonJob,
+    control: &dyn Control,
+    film: &mut Film,
+) -> Result<JobStats, BackendError> {
+    let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
+    let total = plan.total().into_iter().fold(0.0, f64::max);
+    let unit = FluxUnit::new(total, job.photons);
+    let areas = element_areas(scene);
+    let mut sums = Sums::new(areas.len());
+    let mut part = Film::new(*film.settings());
+    let (rays, done) = (AtomicU64::new(0), AtomicU64::new(0));
+    let cancelled = AtomicBool::new(false);
+    let replicates = u64::from(job.replicates.end - job.replicates.start);
+    let all = replicates * u64::from(job.photons);
+    for replicate in job.replicates.clone() {
+        let shared = Shared { scene, tree, plan: &plan, job, unit, sums: &sums };
+        with_photon_tracer!(code, shared.scene, job.max_hits, |tracer| {
+            pool.install(|| {
+                (0..job.photons.div_ceil(TASK)).into_par_iter().with_max_len(1).for_each(|task| {
+                    if cancelled.load(Ordering::Relaxed) {
+                        return;
+                    }
+                    let first = task * TASK;
+                    let count = TASK.min(job.photons - first);
+                    rays.fetch_add(trace(&tracer, &shared, replicate, first, count), Ordering::Relaxed);
+                    let now = done.fetch_add(u64::from(count), Ordering::Relaxed) + u64::from(count);
+                    if control.advance(now, all).is_break() {
+                        cancelled.store(true, Ordering::Relaxed);
+                    }
+                });
+            });
+        });
+        if cancelled.load(Ordering::Relaxed) {
+            return Err(BackendError::Cancelled);
+        }
+        part.add_blocks(replicate..replicate + 1, &irradiance(&sums.take(), &areas, unit))?;
+    }
+    film.merge(&part)?;
+    Ok(JobStats { rays: rays.into_inner(), paths: all })
+}

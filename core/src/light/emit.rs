@@ -1,0 +1,151 @@
+//! Photons as they leave a light: where, into which direction, and with how much flux.
+//!
+//! Quantity: flux Phi \[W\] per channel. Every light has a density of its own under which all its photons carry the same flux, its whole
+//! flux: uniform over the sphere or the lit cone for lights without size (a spot's falloff is inverted, not weighted), uniform over the surface and
+//! by the cosine for surface lights, uniform over the disk that the scene's bounding sphere shows for what comes from infinity.
+//! So a light's flux is also what its photons must add up to, and lights can be picked by it.
+
+use super::extent;
+use crate::geometry::{Ray, SurfacePoint, offset_origin};
+use crate::math::{self, PI, TAU, Vec3};
+use crate::sampling::warp;
+use crate::scene::{LightKind, LightRecord};
+
+/// A photon on its way from a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emission {
+    /// Where and whereto; the direction is a unit vector, the origin is offset from a light's surface.
+    pub ray: Ray,
+    /// Flux \[W\] that photons of this light carry between them, per channel: divide by their number.
+    pub flux: Vec3,
+}
+
+/// Whether a light has no size, so that its direct light is known in closed form at every point.
+#[inline]
+pub fn is_point_like(light: &LightRecord) -> bool {
+    light.kind == LightKind::Point as u32
+        || light.kind == LightKind::Spot as u32
+        || light.kind == LightKind::Directional as u32
+}
+
+/// Emitted flux \[W\] per channel; of a directional light what reaches a sphere of `radius` \[m\] around the scene.
+#[inline]
+pub fn flux(light: &LightRecord, radius: f32) -> Vec3 {
+    let radiance = Vec3::from_array(light.radiance);
+    if light.kind == LightKind::Point as u32 {
+        radiance * (2.0 * TAU)
+    } else if light.kind == LightKind::Spot as u32 {
+        radiance * spot_solid_angle(light.params)
+    } else if light.kind == LightKind::Directional as u32 {
+        radiance * (PI * radius * radius)
+    } else {
+        radiance * (PI * light.area)
+    }
+}
+
+/// Flux \[W\] per channel of a constant environment of `radiance` into a sphere of `radius` \[m\]: pi L through each part of its surface.
+#[inline]
+pub fn environment_flux(radiance: Vec3, radius: f32) -> Vec3 {
+    radiance * (PI * (2.0 * TAU * radius * radius))
+}
+
+/// Solid angle \[sr\] that gives a spot's flux with its axial intensity: the smoothstep's mean over its range of cosines is one half.
+///
+/// `1 - (cone + full) / 2` loses digits for narrow spots, as the cosines themselves do; the density below is the same one.
+#[inline]
+fn spot_solid_angle([cone, full]: [f32; 2]) -> f32 {
+    TAU * ((1.0 - full) + 0.5 * (full - cone))
+}
+
+/// The x in [0, 1] with 2 x^3 - x^4 = `y`: the inverse of the distribution of a density in proportion to the smoothstep 3 x^2 - 2 x^3.
+///
+/// Convex and rising, so that Newton's steps from cbrt(y), which lies above, come down monotonously; four leave 4 ulp of 1, six half of one.
+#[inline]
+fn invert_smoothstep(y: f32) -> f32 {
+    let mut x = math::cbrt(y);
+    for _ in 0..6 {
+        let x2 = x * x;
+        let slope = x2 * (6.0 - 4.0 * x);
+        let over = x2 * x * (2.0 - x) - y;
+        // At x = 0 the answer is 0.
+        if slope > 0.0 {
+            x -= over / slope;
+        }
+    }
+    x.clamp(0.0, 1.0)
+}
+
+/// Direction about a spot's axis with density in proportion to its intensity.
+#[inline]
+fn sample_spot(axis: Vec3, [cone, full]: [f32; 2], u: [f32; 2]) -> Vec3 {
+    // Parts of the solid angle: the full cone, and half of the ring in which light falls off.
+    let (inner, ring) = (1.0 - full, 0.5 * (full - cone));
+    let at = u[0] * (inner + ring);
+    let one_minus_cos = if at < inner || ring <= 0.0 {
+        at.min(inner)
+    } else {
+        // From the rim inwards the intensity rises by the smoothstep.
+        let rest = ((inner + ring) - at) / ring;
+        (1.0 - cone) - (full - cone) * invert_smoothstep(rest.clamp(0.0, 1.0))
+    };
+    let sin = math::sqrt((one_minus_cos * (2.0 - one_minus_cos)).max(0.0));
+    let (s, c) = math::sin_cos(TAU * u[1]);
+    let (t, b) = math::orthonormal_basis(axis);
+    t * (sin * c) + b * (sin * s) + axis * (1.0 - one_minus_cos)
+}
+
+/// A ray from far away through the disk that a bounding sphere shows.
+#[inline]
+fn from_infinity(travel: Vec3, (centre, radius): (Vec3, f32), u: [f32; 2]) -> Ray {
+    let [x, y] = warp::sample_disk(u);
+    let (t, b) = math::orthonormal_basis(travel);
+    // A little outside, so that what touches the sphere is not behind the origin.
+    let origin = centre + (t * x + b * y) * radius - travel * (radius * (1.0 + 1.0 / 1024.0));
+    Ray { origin, direction: travel, t_max: f32::MAX }
+}
+
+/// A photon from a place on a surface light, by the cosine.
+#[inline]
+fn from_surface(light: &LightRecord, position: Vec3, normal: Vec3, u: [f32; 2]) -> Ray {
+    let local = warp::sample_cosine_hemisphere(u);
+    let (t, b) = math::orthonormal_basis(normal);
+    let direction = t * local.x + b * local.y + normal * local.z;
+    let start = SurfacePoint { position, extent: extent(light) };
+    Ray { origin: offset_origin(&start, normal, direction), direction, t_max: f32::MAX }
+}
+
+/// A photon of one light, from four numbers in [0, 1); `sphere` is the scene's bounding sphere \[m\].
+#[inline]
+pub fn emit(light: &LightRecord, sphere: (Vec3, f32), u: [f32; 4]) -> Emission {
+    let at = Vec3::from_array(light.point);
+    let normal = Vec3::from_array(light.normal);
+    let (e1, e2) = (Vec3::from_array(light.edge1), Vec3::from_array(light.edge2));
+    let (place, way) = ([u[0], u[1]], [u[2], u[3]]);
+    let ray = if light.kind == LightKind::Point as u32 {
+        Ray { origin: at, direction: warp::sample_sphere(place), t_max: f32::MAX }
+    } else if light.kind == LightKind::Spot as u32 {
+        Ray { origin: at, direction: sample_spot(e1, light.params, place), t_max: f32::MAX }
+    } else if light.kind == LightKind::Directional as u32 {
+        from_infinity(normal, sphere, place)
+    } else if light.kind == LightKind::Triangle as u32 {
+        let [_, b1, b2] = warp::sample_triangle(place);
+        from_surface(light, at + e1 * b1 + e2 * b2, normal, way)
+    } else if light.kind == LightKind::Parallelogram as u32 {
+        from_surface(light, at + e1 * place[0] + e2 * place[1], normal, way)
+    } else if light.kind == LightKind::Disk as u32 {
+        let [x, y] = warp::sample_disk(place);
+        let (t, b) = math::orthonormal_basis(normal);
+        from_surface(light, at + (t * x + b * y) * light.params[0], normal, way)
+    } else {
+        let out = warp::sample_sphere(place);
+        from_surface(light, at + out * light.params[0], out, way)
+    };
+    Emission { ray, flux: flux(light, sphere.1) }
+}
+
+/// A photon of a constant environment, from four numbers in [0, 1).
+#[inline]
+pub fn emit_environment(radiance: Vec3, sphere: (Vec3, f32), u: [f32; 4]) -> Emission {
+    let travel = warp::sample_sphere([u[0], u[1]]);
+    Emission { ray: from_infinity(travel, sphere, [u[2], u[3]]), flux: environment_flux(radiance, sphere.1) }
+}

@@ -1,0 +1,227 @@
+//! Photons: flux that walks from a start through the scene and is registered wherever it arrives.
+//!
+//! A photon carries flux \[W\] per channel. At each hit it arrives (its flux counts for the irradiance of that surface), and then lives on with
+//! the mean of what the lobes let through, into a direction by the lobes: `f cos / pdf` is divided by the chance to live, so that fluxes hardly
+//! change and dark surfaces end walks. Interpolated normals are not symmetric between light and sensor: photons take Veach's factor
+//! (1997, section 5.3.2), |wo n_s| |wi n_g| / (|wo n_g| |wi n_s|).
+//!
+//! Starts: [`LightPlan`] picks a light by flux, the classical way ([`crate::light::emit`]).
+
+use super::surface_at;
+use crate::geometry::{Hit, Intersector, PrimitiveId, Ray};
+use crate::light::emit::{self, Emission};
+use crate::math::{self, Vec3};
+use crate::sampling::discrete::{IntegerCdf, WeightError};
+use crate::sampling::sobol::BlockSampler;
+use crate::scene::CompiledScene;
+use alloc::vec::Vec;
+
+/// Largest chance to survive a hit, so that walks end even in a closed room of albedo 1.
+const SURVIVAL_MAX: f32 = 0.95;
+/// Groups of sample dimensions: the start, the choice of the light, then one for each hit.
+const START_GROUP: u32 = 0;
+const PICK_GROUP: u32 = 1;
+const WALK_GROUP: u32 = 2;
+
+/// A photon between two hits.
+#[derive(Clone, Copy, Debug)]
+pub struct Photon {
+    sampler: BlockSampler,
+    /// Flux per channel \[W\], as if it were the only photon.
+    pub flux: Vec3,
+    /// Where it flies.
+    pub ray: Ray,
+    /// Hits so far.
+    pub hits: u32,
+    /// Whether its first arrival is registered: not where direct light is known in closed form.
+    pub registers_first: bool,
+}
+
+/// Flux that arrives at a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrival {
+    /// Where.
+    pub primitive: PrimitiveId,
+    /// Barycentric of vertex 1.
+    pub b1: f32,
+    /// Barycentric of vertex 2.
+    pub b2: f32,
+    /// At the front of the surface.
+    pub from_front: bool,
+    /// Flux per channel \[W\], as if the photon were the only one.
+    pub flux: Vec3,
+}
+
+/// What emits in a scene, and how often each is picked: by its mean flux.
+#[derive(Clone, Debug)]
+pub struct LightPlan {
+    /// Lights, then the environment where there is one.
+    cdf: IntegerCdf,
+    fluxes: Vec<Vec3>,
+    sphere: (Vec3, f32),
+}
+
+impl LightPlan {
+    /// The plan of a scene.
+    ///
+    /// # Errors
+    /// When nothing in the scene emits, or fluxes are not finite.
+    pub fn new(scene: &CompiledScene) -> Result<Self, WeightError> {
+        let sphere = scene.bounding_sphere();
+        let mut fluxes: Vec<Vec3> = scene.lights.iter().map(|l| emit::flux(l, sphere.1)).collect();
+        let environment = Vec3::from_array(scene.environment);
+        if environment != Vec3::ZERO {
+            fluxes.push(emit::environment_flux(environment, sphere.1));
+        }
+        let weights: Vec<f32> = fluxes.iter().map(|f| math::mean(*f)).collect();
+        Ok(Self { cdf: IntegerCdf::try_new(&weights)?, fluxes, sphere })
+    }
+
+    /// Flux of everything that emits \[W\] per channel; of what comes from infinity, what reaches the scene's bounding sphere.
+    pub fn total(&self) -> [f64; 3] {
+        [0, 1, 2].map(|c| self.fluxes.iter().map(|f| f64::from(f[c])).sum())
+    }
+
+    /// A photon's start: its flight, its flux divided by the chance of its light, and whether that light is without size.
+    #[inline]
+    pub fn start(&self, scene: &CompiledScene, sampler: &BlockSampler) -> (Emission, bool) {
+        let u = sampler.group4(START_GROUP);
+        let pick = if self.fluxes.len() > 1 { sampler.bits2(PICK_GROUP)[0] } else { 0 };
+        let pick = self.cdf.pick(pick);
+        let (mut emission, point_like) = match scene.lights.get(pick.index as usize) {
+            Some(light) => (emit::emit(light, self.sphere, u), emit::is_point_like(light)),
+            None => (emit::emit_environment(Vec3::from_array(scene.environment), self.sphere, u), false),
+        };
+        emission.flux /= pick.pmf;
+        (emission, point_like)
+    }
+}
+
+/// The walk, with the code that a scene needs (see [`super::TransportCode`]).
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonTracer<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
+    scene: &'a CompiledScene,
+    max_hits: u32,
+}
+
+impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
+    PhotonTracer<'a, LOBES, TEXTURES, SHADING>
+{
+    /// A tracer of photons that arrive at most `max_hits` times.
+    pub fn new(scene: &'a CompiledScene, max_hits: u32) -> Self {
+        Self { scene, max_hits }
+    }
+
+    /// A photon from the lights. With `registers_direct` all first arrivals count, else only those that no closed form knows.
+    #[inline]
+    pub fn start_from_lights(
+        &self,
+        plan: &LightPlan,
+        sampler: BlockSampler,
+        registers_direct: bool,
+    ) -> Photon {
+        let (emission, point_like) = plan.start(self.scene, &sampler);
+        Photon {
+            sampler,
+            flux: emission.flux,
+            ray: emission.ray,
+            hits: 0,
+            registers_first: registers_direct || !point_like,
+        }
+    }
+
+    /// The photon has reached a surface, or nothing: what arrives, and whether it flies on.
+    #[inline(always)]
+    pub fn advance(&self, photon: &mut Photon, hit: Option<Hit>) -> (Option<Arrival>, bool) {
+        let Some(hit) = hit else { return (None, false) };
+        let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &photon.ray, &hit) else {
+            return (None, false);
+        };
+        let counts = photon.hits > 0 || photon.registers_first;
+        let arrival = counts.then_some(Arrival {
+            primitive: hit.primitive,
+            b1: hit.b1,
+            b2: hit.b2,
+            from_front: surface.from_front,
+            flux: photon.flux,
+        });
+        let group = WALK_GROUP.wrapping_add(photon.hits);
+        photon.hits += 1;
+        if photon.hits >= self.max_hits {
+            return (arrival, false);
+        }
+        let [u, v, lobe, survive] = photon.sampler.group4(group);
+        let Some(s) = surface.lobes.sample(surface.shading, surface.wo, [u, v], lobe) else {
+            return (arrival, false);
+        };
+        let mut weight = s.weight;
+        if SHADING {
+            let (before, after) = (surface.wo.dot(surface.geometric), s.wi.dot(surface.geometric));
+            if after <= 0.0 {
+                return (arrival, false);
+            }
+            let down = before * s.wi.dot(surface.shading);
+            // At grazing angles the factor is unbounded; what it would add is noise of measure zero.
+            let factor = if down > 0.0 {
+                (surface.wo.dot(surface.shading) * after / down).clamp(0.0, 16.0)
+            } else {
+                0.0
+            };
+            weight *= factor;
+        }
+        let chance = math::mean(weight).min(SURVIVAL_MAX);
+        if survive >= chance {
+            return (arrival, false);
+        }
+        photon.flux *= weight / chance;
+        photon.ray = Ray { origin: surface.leave(s.wi), direction: s.wi, t_max: f32::MAX };
+        (arrival, true)
+    }
+
+    /// Follows a photon to its end and hands out its arrivals; the rays it took.
+    #[inline(always)]
+    pub fn run<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        mut photon: Photon,
+        mut arrive: impl FnMut(Arrival),
+    ) -> u32 {
+        let mut rays = 0;
+        loop {
+            rays += 1;
+            let hit = intersector.closest_hit(&photon.ray);
+            let (arrival, lives) = self.advance(&mut photon, hit);
+            if let Some(arrival) = arrival {
+                arrive(arrival);
+            }
+            if !lives {
+                return rays;
+            }
+        }
+    }
+}
+
+/// Runs `$body` with `$tracer` bound to the photon tracer that has just the code that `$code` names.
+#[macro_export]
+macro_rules! with_photon_tracer {
+    ($code:expr, $scene:expr, $max_hits:expr, |$tracer:ident| $body:expr) => {{
+        use $crate::transport::photon::PhotonTracer;
+        let code: $crate::transport::TransportCode = $code;
+        macro_rules! instance {
+            ($l:literal, $t:literal, $s:literal) => {{
+                let $tracer = PhotonTracer::<$l, $t, $s>::new($scene, $max_hits);
+                $body
+            }};
+        }
+        match (code.lobes, code.textures, code.shading_normals) {
+            (false, false, false) => instance!(false, false, false),
+            (false, false, true) => instance!(false, false, true),
+            (false, true, false) => instance!(false, true, false),
+            (false, true, true) => instance!(false, true, true),
+            (true, false, false) => instance!(true, false, false),
+            (true, false, true) => instance!(true, false, true),
+            (true, true, false) => instance!(true, true, false),
+            (true, true, true) => instance!(true, true, true),
+        }
+    }};
+}
