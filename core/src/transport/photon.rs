@@ -1,8 +1,8 @@
 //! Photons: flux that walks from a start through the scene and is registered wherever it arrives.
 //!
-//! A photon carries flux \[W\] per channel. At each hit it arrives (its flux counts for the irradiance of that surface), and then lives on with
-//! the mean of what the lobes let through, into a direction by the lobes: `f cos / pdf` is divided by the chance to live, so that fluxes hardly
-//! change and dark surfaces end walks. Interpolated normals are not symmetric between light and sensor: photons take Veach's factor
+//! A photon carries flux \[W\] per channel. At each hit it arrives (its flux counts for the irradiance of that surface), and then lives on into a
+//! direction by the lobes, with the share of its flux, mean of the channels, that they let through; `f cos / pdf` is divided by that chance, so that
+//! the mean is carried unchanged and dark surfaces end walks. Interpolated normals are not symmetric between light and sensor: photons take Veach's factor
 //! (1997, section 5.3.2), |wo n_s| |wi n_g| / (|wo n_g| |wi n_s|).
 //!
 //! Starts: [`LightPlan`] picks a light by flux, the classical way ([`crate::light::emit`]).
@@ -169,11 +169,14 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             };
             weight *= factor;
         }
-        let chance = math::mean(weight).min(SURVIVAL_MAX);
+        // The chance keeps the mean of the channels that are carried, so that no channel ever exceeds three times the start's mean. The mean of
+        // the weight would not do: where one channel survives best, its share of the flux grows, and its variance without bound.
+        let (before, after) = (math::mean(photon.flux), photon.flux * weight);
+        let chance = (math::mean(after) / before.max(f32::MIN_POSITIVE)).min(SURVIVAL_MAX);
         if survive >= chance {
             return (arrival, false);
         }
-        photon.flux *= weight / chance;
+        photon.flux = after / chance;
         photon.ray = Ray { origin: surface.leave(s.wi), direction: s.wi, t_max: f32::MAX };
         (arrival, true)
     }
