@@ -7,8 +7,9 @@
 #![allow(clippy::disallowed_methods, reason = "estimates of error for people, in f64: no kernel")]
 
 use crate::metrics::statistics;
-use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session};
+use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, PhotonJob, Probe, Session};
 use etendue_core::film::Film;
+use etendue_core::illumination::element_areas;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
@@ -127,8 +128,11 @@ pub fn image(
     settings: &Settings,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, BackendError> {
-    let film = Film::new(backend::image_film_settings(session.scene(), &first_job(settings))?);
-    drive(film, settings, watcher, |job, control, film| session.path_image(job, control, film))
+    let first = first_job(settings);
+    let film = Film::new(backend::image_film_settings(session.scene(), &first)?);
+    drive(film, first, settings.budget, watcher, &even, |job, control, film| {
+        session.path_image(job, control, film)
+    })
 }
 
 /// Path-traces the irradiance at probes.
@@ -141,9 +145,79 @@ pub fn probes(
     settings: &Settings,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, BackendError> {
-    let settings_of_film = backend::probe_film_settings(session.scene(), &first_job(settings), probes.len());
-    let film = Film::new(settings_of_film);
-    drive(film, settings, watcher, |job, control, film| session.path_probes(job, probes, control, film))
+    let first = first_job(settings);
+    let film = Film::new(backend::probe_film_settings(session.scene(), &first, probes.len()));
+    drive(film, first, settings.budget, watcher, &even, |job, control, film| {
+        session.path_probes(job, probes, control, film)
+    })
+}
+
+/// Photons of a replicate: about a sixteenth of all where their number is known, a power of two, and never so few that adding the replicate up
+/// costs more than its photons.
+pub fn photons_per_replicate(budget: Budget) -> u32 {
+    const RANGE: [u64; 2] = [1 << 10, 1 << 22];
+    match budget {
+        Budget::Samples(n) => 1 << (n / 16).clamp(RANGE[0], RANGE[1]).ilog2(),
+        Budget::Seconds(_) | Budget::Error(_) => 1 << 16,
+    }
+}
+
+/// Irradiance on the scene's primitives by photons from the lights, without the direct light of those that have no size. The budget counts photons;
+/// errors are weighted by area.
+///
+/// # Errors
+/// As [`Session::illumination`]; being stopped is no error.
+pub fn illumination(
+    session: &dyn Session,
+    settings: &Settings,
+    watcher: &dyn Watcher,
+) -> Result<Outcome, BackendError> {
+    let photons = photons_per_replicate(settings.budget);
+    let of = |job: &PathJob| PhotonJob {
+        seed: job.seed,
+        photons: job.block_length,
+        replicates: job.blocks.clone(),
+        max_hits: job.max_depth,
+        registers_direct: false,
+    };
+    let first =
+        PathJob { seed: settings.seed, block_length: photons, blocks: 0..0, max_depth: settings.max_depth };
+    let film = Film::new(backend::illumination_film_settings(session.scene(), &of(&first))?);
+    let areas = element_areas(session.scene());
+    let weight = |i: usize| areas.get(i).map_or(0.0, |a| f64::from(*a));
+    drive(film, first, settings.budget, watcher, &weight, |job, control, film| {
+        session.illumination(&of(job), control, film)
+    })
+}
+
+/// Direct irradiance of lights without size on the scene's primitives, from 64 points on each: eight nets of eight.
+///
+/// # Errors
+/// As [`Session::direct_irradiance`]; being stopped is no error.
+pub fn direct_irradiance(
+    session: &dyn Session,
+    seed: u64,
+    watcher: &dyn Watcher,
+) -> Result<Outcome, BackendError> {
+    let first = PathJob { seed, block_length: 8, blocks: 0..0, max_depth: 1 };
+    let film = Film::new(backend::direct_film_settings(session.scene(), &first));
+    let areas = element_areas(session.scene());
+    let weight = |i: usize| areas.get(i).map_or(0.0, |a| f64::from(*a));
+    drive(film, first, Budget::Samples(64), watcher, &weight, |job, control, film| {
+        session.direct_irradiance(job, control, film)
+    })
+}
+
+/// Standard error of the sum of two independent results at one element; what has no variance yet counts as exact.
+pub fn error_of_sum(a: &Film, b: &Film, element: usize) -> [f64; 3] {
+    let variance = |film: &Film| film.variance(element).unwrap_or([0.0; 3]);
+    let (a, b) = (variance(a), variance(b));
+    [0, 1, 2].map(|c| (a[c] + b[c]).sqrt())
+}
+
+/// Elements that count alike.
+fn even(_: usize) -> f64 {
+    1.0
 }
 
 fn first_job(settings: &Settings) -> PathJob {
@@ -180,23 +254,22 @@ impl Control for PassControl<'_> {
 
 fn drive(
     mut film: Film,
-    settings: &Settings,
+    mut job: PathJob,
+    budget: Budget,
     watcher: &dyn Watcher,
+    weight: &dyn Fn(usize) -> f64,
     mut run: impl FnMut(&PathJob, &dyn Control, &mut Film) -> Result<JobStats, BackendError>,
 ) -> Result<Outcome, BackendError> {
     let start = Instant::now();
-    let mut job = first_job(settings);
     let mut stats = JobStats::default();
     let mut error = None;
     let mut cancelled = false;
-    while let Some(blocks) =
-        next_blocks(settings.budget, job.block_length, job.blocks.end, start.elapsed(), error)
-    {
+    while let Some(blocks) = next_blocks(budget, job.block_length, job.blocks.end, start.elapsed(), error) {
         if watcher.cancelled() {
             cancelled = true;
             break;
         }
-        let span = span(settings.budget, job.block_length, &blocks, start.elapsed());
+        let span = span(budget, job.block_length, &blocks, start.elapsed());
         job.blocks = blocks;
         let control = PassControl {
             watcher,
@@ -214,7 +287,7 @@ fn drive(
             }
             Err(e) => return Err(e),
         }
-        error = estimate_error(&film);
+        error = estimate_weighted_error(&film, weight);
     }
     Ok(Outcome { film, stats, seconds: start.elapsed().as_secs_f64(), cancelled, error })
 }
@@ -273,13 +346,19 @@ fn span(budget: Budget, length: u32, blocks: &Range<u32>, elapsed: Duration) -> 
 
 /// Estimates the relative error of a film from its own block variances; the noise in the mean squares is taken out.
 pub fn estimate_error(film: &Film) -> Option<ErrorEstimate> {
+    estimate_weighted_error(film, &even)
+}
+
+/// [`estimate_error`] with a weight for each element, its area say.
+pub fn estimate_weighted_error(film: &Film, weight: &dyn Fn(usize) -> f64) -> Option<ErrorEstimate> {
     let (mut variance, mut variance2, mut square) = (0.0, 0.0, 0.0);
     for i in 0..film.len() {
         let (v, m) = (film.variance(i)?, film.mean(i));
-        let v: f64 = v.iter().sum();
+        let w = weight(i);
+        let v = w * v.iter().sum::<f64>();
         variance += v;
         variance2 += v * v;
-        square += m.iter().map(|x| x * x).sum::<f64>();
+        square += w * m.iter().map(|x| x * x).sum::<f64>();
     }
     let signal = (square - variance).max(0.5 * square);
     if signal <= 0.0 {

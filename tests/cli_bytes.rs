@@ -27,7 +27,7 @@ fn files_do_not_depend_on_the_number_of_threads() {
     let probes: Vec<_> =
         PROBES.iter().map(|p| serde_json::json!({ "position": p.position, "normal": p.normal })).collect();
     let points = folder.write("points.json", &serde_json::json!({ "probes": probes }).to_string());
-    let mut first: Option<[Vec<u8>; 3]> = None;
+    let mut first: Option<[Vec<u8>; 4]> = None;
     for threads in THREADS.map(|n| n.to_string()) {
         let (exr, png, json) = (folder.arg("out.exr"), folder.arg("out.png"), folder.arg("out.json"));
         // 28 x 21: no multiple of any tile.
@@ -36,11 +36,14 @@ fn files_do_not_depend_on_the_number_of_threads() {
         run(&[&line[..], &["--threads", &threads, "--seed", "3", "--quiet"]].concat()).exits(0);
         let line = ["probe", &closed_cornell(), "--points", &points, "-o", &json, "--samples", "1000"];
         run(&[&line[..], &["--threads", &threads, "--seed", "3", "--quiet"]].concat()).exits(0);
-        let bytes = [exr, png, json].map(|path| std::fs::read(path).unwrap());
+        let ply = folder.arg("out.ply");
+        let line = ["illuminate", &closed_cornell(), "-o", &ply, "--photons", "40000"];
+        run(&[&line[..], &["--threads", &threads, "--seed", "3", "--quiet"]].concat()).exits(0);
+        let bytes = [exr, png, json, ply].map(|path| std::fs::read(path).unwrap());
         match &first {
             None => first = Some(bytes),
             Some(first) => {
-                for (name, (a, b)) in ["EXR", "PNG", "JSON"].iter().zip(first.iter().zip(&bytes)) {
+                for (name, (a, b)) in ["EXR", "PNG", "JSON", "PLY"].iter().zip(first.iter().zip(&bytes)) {
                     assert!(a == b, "{name} of {threads} threads differs");
                 }
             }

@@ -81,6 +81,24 @@ fn every_verb_explains_itself() {
 }
 
 #[test]
+fn a_map_needs_light_and_says_what_is_not_there_yet() {
+    let folder = Folder::new();
+    let ply = folder.arg("a.ply");
+    run(&["illuminate", &closed_cornell(), "-o", &ply, "--from", "surfaces"]).exits(2).says(&[
+        "--from surfaces",
+        "not in this version",
+        "`lights`",
+    ]);
+    run(&["illuminate", &closed_cornell(), "-o", &ply, "--photons", "0"]).exits(2).says(&["--photons"]);
+    folder.write("floor.obj", "v -1 0 -1\nv -1 0 1\nv 1 0 1\nf 1 2 3\n");
+    let dark = folder.write("dark.toml", "[[mesh]]\nfile = \"floor.obj\"\n");
+    run(&["illuminate", &dark, "-o", &ply]).exits(3).says(&["nothing in the scene emits"]);
+    let fog = folder.write("fog.toml", FOG);
+    run(&["illuminate", &fog, "-o", &ply]).exits(3);
+    assert!(!std::path::Path::new(&ply).exists());
+}
+
+#[test]
 fn bad_usage_exits_with_2() {
     let scene = closed_cornell();
     let scene = scene.as_str();

@@ -370,3 +370,76 @@ fn compare_takes_variance_and_mask() {
     run(&["compare", &a, "nowhere.exr"]).exits(3).says(&["nowhere.exr"]);
     run(&["compare", &a, &mask]).exits(3).says(&["mask.png"]);
 }
+
+/// Numbers of a PLY that `illuminate` wrote, by name: per face.
+fn face_properties(file: &str) -> std::collections::BTreeMap<String, Vec<f32>> {
+    let bytes = std::fs::read(file).unwrap();
+    let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    let header = std::str::from_utf8(&bytes[..end]).unwrap();
+    let count = |element: &str| -> usize {
+        let line = header.lines().find(|l| l.starts_with(&format!("element {element} "))).unwrap();
+        line.rsplit(' ').next().unwrap().parse().unwrap()
+    };
+    let names: Vec<&str> = header
+        .lines()
+        .skip_while(|l| !l.starts_with("property list"))
+        .filter_map(|l| l.strip_prefix("property float "))
+        .collect();
+    let faces = &bytes[end + 12 * count("vertex")..];
+    let record = 13 + 4 * names.len();
+    assert_eq!(faces.len(), record * count("face"));
+    let number = |face: &[u8], k: usize| f32::from_le_bytes(face[13 + 4 * k..17 + 4 * k].try_into().unwrap());
+    let values = |k: usize| faces.chunks(record).map(|face| number(face, k)).collect();
+    names.iter().enumerate().map(|(k, name)| ((*name).to_owned(), values(k))).collect()
+}
+
+#[test]
+fn illuminate_writes_a_mesh_with_irradiance() {
+    let folder = Folder::new();
+    let (ply, json) = (folder.arg("map.ply"), folder.arg("out.json"));
+    // A square room by its two plates: a floor of two triangles under a lamp without size, 1 m above its middle, and nothing to reflect light back.
+    let scene = folder.write(
+        "scene.toml",
+        "[[mesh]]\nfile = \"floor.obj\"\n[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\nintensity = [1, 2, 3]\n",
+    );
+    folder.write("floor.obj", "v -1 0 -1\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nf 1 2 3\nf 1 3 4\n");
+    let report = run(&["illuminate", &scene, "-o", &ply, "--photons", "20000", "--json"]).exits(0).json();
+    let seconds = report["seconds"].as_object().unwrap();
+    for stage in ["load", "compile", "prepare", "direct", "photons", "write", "total"] {
+        assert!(seconds.contains_key(stage), "{seconds:?}");
+    }
+    assert_eq!(report["photons"], json!(20 * 1024));
+    assert_eq!(
+        report["hits"],
+        json!(0),
+        "first arrivals from a light without size do not count, and there are no others"
+    );
+    let map = face_properties(&ply);
+    assert_eq!(map.len(), 9);
+    // Flux of a point light through a square plate of half side 1 at distance 1: a sixth of 4 pi I, over 4 m^2.
+    let truth = std::f32::consts::PI / 6.0;
+    for (name, intensity) in [("r", 1.0), ("g", 2.0), ("b", 3.0)] {
+        let (direct, error) = (&map[&format!("direct_{name}")], &map[&format!("stderr_{name}")]);
+        for face in 0..2 {
+            assert!(error[face] > 0.0 && error[face] < 0.05 * intensity * truth, "{}", error[face]);
+            // Eight nets, two faces (the channels are one): Student's t at alpha = 1e-3 altogether.
+            let z = (direct[face] - intensity * truth).abs() / error[face];
+            assert!(z < 6.1, "{name}: {} against {}", direct[face], intensity * truth);
+            assert_eq!(map[&format!("indirect_{name}")][face], 0.0);
+        }
+    }
+    // The closed box: what its lamp sends in must come out of the map and of probes alike.
+    run(&["illuminate", &closed_cornell(), "-o", &ply, "--photons", "200000", "--quiet"]).exits(0);
+    let map = face_properties(&ply);
+    let probe = r#"{"probes": [{"position": [2.7, 2.0, 5.592], "normal": [0, 0, -1]}]}"#;
+    let points = folder.write("points.json", probe);
+    run(&["probe", &closed_cornell(), "--points", &points, "-o", &json, "--samples", "4096", "--quiet"])
+        .exits(0);
+    let at = read_points(json.as_ref()).unwrap()[0].irradiance.unwrap();
+    // The middle of the back wall, and the two faces of that wall (the third pair of the file): not the same quantity, but within a third.
+    for (c, name) in ["r", "g", "b"].iter().enumerate() {
+        let both = &map[&format!("indirect_{name}")][4..6];
+        let mean = 0.5 * (both[0] + both[1]);
+        assert!((mean / at[c] - 1.0).abs() < 0.33, "{name}: {mean} on the wall, {} in its middle", at[c]);
+    }
+}

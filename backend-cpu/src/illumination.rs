@@ -50,15 +50,15 @@ struct Shared<'a> {
 }
 
 widest! {
-    /// Photons `first .. first + count` of a replicate; the rays that they took.
+    /// Photons `first .. first + count` of a replicate; the rays that they took and the arrivals that count.
     fn trace[const L: bool, const T: bool, const S: bool](
         tracer: &PhotonTracer<'_, L, T, S>,
         shared: &Shared<'_>,
         replicate: u32,
         first: u32,
         count: u32,
-    ) -> u64 {
-        let mut rays = 0;
+    ) -> [u64; 2] {
+        let (mut rays, mut hits) = (0, 0);
         let named = BlockSampler::new(shared.job.seed, 0, replicate, 0);
         for index in first..first + count {
             let sampler = named.with_index(index);
@@ -69,6 +69,7 @@ widest! {
                 let hit = shared.tree.closest_hit(&photon.ray);
                 let (arrival, lives) = tracer.advance(&mut photon, hit);
                 if let Some(a) = arrival {
+                    hits += 1;
                     let [x, y, z] = a.flux.to_array();
                     shared.sums.add(a.primitive, [shared.unit.units(x), shared.unit.units(y), shared.unit.units(z)]);
                 }
@@ -77,7 +78,7 @@ widest! {
                 }
             }
         }
-        rays
+        [rays, hits]
     }
 }
 
@@ -97,7 +98,7 @@ pub(crate) fn run(
     let areas = element_areas(scene);
     let mut sums = Sums::new(areas.len());
     let mut part = Film::new(*film.settings());
-    let (rays, done) = (AtomicU64::new(0), AtomicU64::new(0));
+    let (rays, hits, done) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
     let cancelled = AtomicBool::new(false);
     let replicates = u64::from(job.replicates.end - job.replicates.start);
     let all = replicates * u64::from(job.photons);
@@ -111,7 +112,9 @@ pub(crate) fn run(
                     }
                     let first = task * TASK;
                     let count = TASK.min(job.photons - first);
-                    rays.fetch_add(trace(&tracer, &shared, replicate, first, count), Ordering::Relaxed);
+                    let [traced, arrived] = trace(&tracer, &shared, replicate, first, count);
+                    rays.fetch_add(traced, Ordering::Relaxed);
+                    hits.fetch_add(arrived, Ordering::Relaxed);
                     let now = done.fetch_add(u64::from(count), Ordering::Relaxed) + u64::from(count);
                     if control.advance(now, all).is_break() {
                         cancelled.store(true, Ordering::Relaxed);
@@ -125,5 +128,5 @@ pub(crate) fn run(
         part.add_blocks(replicate..replicate + 1, &irradiance(&sums.take(), &areas, unit))?;
     }
     film.merge(&part)?;
-    Ok(JobStats { rays: rays.into_inner(), paths: all })
+    Ok(JobStats { rays: rays.into_inner(), paths: all, hits: hits.into_inner() })
 }

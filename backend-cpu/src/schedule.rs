@@ -101,5 +101,5 @@ pub(crate) fn run_blocks(
     }
     film.merge(&part)?;
     let paths = total * u64::from(job.block_length);
-    Ok(JobStats { rays: rays.into_inner(), paths })
+    Ok(JobStats { rays: rays.into_inner(), paths, hits: 0 })
 }

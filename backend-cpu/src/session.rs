@@ -5,6 +5,7 @@ use crate::schedule::{image_chunks, run_blocks, single_chunks};
 use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, PhotonJob, Probe, Session};
+use etendue_core::direct::irradiance::element_block;
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::SurfacePoint;
 use etendue_core::math::Vec3;
@@ -143,6 +144,23 @@ impl Session for CpuSession {
             };
             run_blocks(&self.pool, job, &chunks, mean, control, film)
         })
+    }
+
+    fn direct_irradiance(
+        &self,
+        job: &PathJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::direct_film_settings(&self.scene, job);
+        self.check(job, film, &expected)?;
+        // In the order of the primitives, which are neighbours in most files.
+        let elements: Vec<u32> = (0..expected.width).collect();
+        let chunks: Vec<Vec<u32>> = elements.chunks(256).map(<[u32]>::to_vec).collect();
+        let mean = |element: u32, block: u32| {
+            element_block(&self.scene, &self.tree, element, job.seed, block, job.block_length)
+        };
+        run_blocks(&self.pool, job, &chunks, mean, control, film)
     }
 
     fn illumination(

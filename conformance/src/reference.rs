@@ -86,7 +86,7 @@ pub fn serial_blocks(
         for element in 0..elements {
             let (m, rays) = mean(element, block);
             means.push(m);
-            stats += JobStats { rays, paths: u64::from(job.block_length) };
+            stats += JobStats { rays, paths: u64::from(job.block_length), hits: 0 };
         }
         part.add_blocks(block..block + 1, &means)?;
         if control.advance(u64::from(block - job.blocks.start) + 1, total).is_break() {

@@ -183,14 +183,17 @@ impl Control for NoControl {
 pub struct JobStats {
     /// Rays traced, of all kinds.
     pub rays: u64,
-    /// Paths started.
+    /// Paths, photons or points started.
     pub paths: u64,
+    /// Arrivals of photons that were registered.
+    pub hits: u64,
 }
 
 impl core::ops::AddAssign for JobStats {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
         self.paths += other.paths;
+        self.hits += other.hits;
     }
 }
 
@@ -297,6 +300,21 @@ pub trait Session: Send + Sync {
         film: &mut Film,
     ) -> Result<JobStats, BackendError>;
 
+    /// Mean direct irradiance of lights without size on the scene's primitives, both sides, into `film` (of [`direct_film_settings`]); samples are
+    /// points on a primitive, each with a shadow ray to each light. On an error the film is unchanged.
+    ///
+    /// # Errors
+    /// When the scene needs more than surfaces, the film does not fit, the control cancels, or the backend has no such job.
+    fn direct_irradiance(
+        &self,
+        job: &PathJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let _ = (job, control, film);
+        Err(BackendError::Unsupported { backend: "chosen", what: "illumination maps".into() })
+    }
+
     /// Irradiance on the scene's primitives by photons from the lights, into `film` (of [`illumination_film_settings`]). On an error the
     /// film is unchanged.
     ///
@@ -311,6 +329,11 @@ pub trait Session: Send + Sync {
         let _ = (job, control, film);
         Err(BackendError::Unsupported { backend: "chosen", what: "illumination maps".into() })
     }
+}
+
+/// Settings of the film of a job of direct irradiance on this scene: one row of its primitives.
+pub fn direct_film_settings(scene: &CompiledScene, job: &PathJob) -> FilmSettings {
+    film_settings(scene, job, scene.primitives().count().min(u32::MAX as usize) as u32, 1)
 }
 
 /// Settings of the film of an illumination map of this scene: one row of its primitives.

@@ -4,6 +4,7 @@ mod args;
 mod compare;
 mod conformance;
 mod error;
+mod illuminate;
 mod info;
 mod job;
 mod output;
@@ -30,6 +31,8 @@ enum Verb {
     Render(render::Args),
     /// Estimate the irradiance at surface points, with standard errors
     Probe(probe::Args),
+    /// Compute an illumination map on the mesh: irradiance per face, with standard errors
+    Illuminate(illuminate::Args),
     /// Compare two images by every metric; exit 1 above a limit
     Compare(compare::Args),
     /// Run the conformance suite on a backend
@@ -48,6 +51,7 @@ pub fn main() -> ExitCode {
         Verb::Info(args) => info::run(args),
         Verb::Render(args) => render::run(args),
         Verb::Probe(args) => probe::run(args),
+        Verb::Illuminate(args) => illuminate::run(args),
         Verb::Compare(args) => compare::run(args),
         Verb::Conformance(args) => conformance::run(args),
     };
