@@ -177,8 +177,8 @@ fn photons_and_paths_agree_on_a_furnished_room() {
     let film = map(&session, &PhotonJob { photons: 1 << 16, ..JOB });
     let areas = element_areas(session.scene());
     // The walls: triangles that are seen from one side alone. Their integral over a grid of points is good to 1 %.
-    for element in 0..12 {
-        assert!(areas[element] > 1.9);
+    for (element, area) in areas.iter().enumerate().take(12) {
+        assert!(*area > 1.9);
         let (mean, error) = (film.mean(element), film.standard_error(element).unwrap());
         for (c, (truth, noise)) in by_paths(&session, element as u32, u32::MAX).into_iter().enumerate() {
             let allowed = 4.5 * error[c].hypot(noise) + 0.01 * truth;
