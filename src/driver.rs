@@ -7,7 +7,9 @@
 #![allow(clippy::disallowed_methods, reason = "estimates of error for people, in f64: no kernel")]
 
 use crate::metrics::statistics;
-use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, PhotonJob, Probe, Session};
+use etendue_core::backend::{
+    self, BackendError, Control, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session,
+};
 use etendue_core::film::Film;
 use etendue_core::illumination::element_areas;
 use std::ops::{ControlFlow, Range};
@@ -162,7 +164,7 @@ pub fn photons_per_replicate(budget: Budget) -> u32 {
     }
 }
 
-/// Irradiance on the scene's primitives by photons from the lights, without the direct light of those that have no size. The budget counts photons;
+/// Irradiance on the scene's primitives by photons; for the rest of light, start them so that the direct light of lights without size does not count. The budget counts photons;
 /// errors are weighted by area.
 ///
 /// # Errors
@@ -170,6 +172,7 @@ pub fn photons_per_replicate(budget: Budget) -> u32 {
 pub fn illumination(
     session: &dyn Session,
     settings: &Settings,
+    start: PhotonStart,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, BackendError> {
     let photons = photons_per_replicate(settings.budget);
@@ -178,7 +181,7 @@ pub fn illumination(
         photons: job.block_length,
         replicates: job.blocks.clone(),
         max_hits: job.max_depth,
-        registers_direct: false,
+        start,
     };
     let first =
         PathJob { seed: settings.seed, block_length: photons, blocks: 0..0, max_depth: settings.max_depth };

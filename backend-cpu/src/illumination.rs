@@ -2,13 +2,15 @@
 
 use crate::simd::widest;
 use crate::tree::Tree;
-use etendue_core::backend::{BackendError, Control, JobStats, PhotonJob};
+use etendue_core::backend::{BackendError, Control, JobStats, PhotonJob, PhotonStart};
+use etendue_core::direct::subdivide::Workspace;
 use etendue_core::film::Film;
 use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{FluxUnit, element_areas, irradiance};
 use etendue_core::sampling::sobol::BlockSampler;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::TransportCode;
+use etendue_core::transport::first_shot::{FirstShot, FirstShotError, LitPiece, Subdivision, lit_pieces};
 use etendue_core::transport::photon::{LightPlan, PhotonTracer};
 use etendue_core::with_photon_tracer;
 use rayon::prelude::*;
@@ -39,11 +41,18 @@ impl Sums {
     }
 }
 
+/// Where photons start.
+#[derive(Clone, Copy)]
+enum Start<'a> {
+    Lights { plan: &'a LightPlan, registers_direct: bool },
+    Surfaces(&'a FirstShot),
+}
+
 /// What all tasks of a job share.
 struct Shared<'a> {
     scene: &'a CompiledScene,
     tree: &'a Tree,
-    plan: &'a LightPlan,
+    start: Start<'a>,
     job: &'a PhotonJob,
     unit: FluxUnit,
     sums: &'a Sums,
@@ -62,7 +71,13 @@ widest! {
         let named = BlockSampler::new(shared.job.seed, 0, replicate, 0);
         for index in first..first + count {
             let sampler = named.with_index(index);
-            let mut photon = tracer.start_from_lights(shared.plan, sampler, shared.job.registers_direct);
+            let started = match shared.start {
+                Start::Lights { plan, registers_direct } => {
+                    Some(tracer.start_from_lights(plan, sampler, registers_direct))
+                }
+                Start::Surfaces(shot) => shot.start(shared.scene, tracer, sampler),
+            };
+            let Some(mut photon) = started else { continue };
             // A loop here instead of `PhotonTracer::run`, whose closure would stay portable code.
             loop {
                 rays += 1;
@@ -82,17 +97,52 @@ widest! {
     }
 }
 
-/// Runs a job; the film is changed at the end or not at all.
-pub(crate) fn run(
+/// Triangles of one task of the precomputation.
+const TRIANGLES: usize = 256;
+
+/// The density of starts on surfaces, and the shadow rays it took. The same for any number of threads.
+pub(crate) fn first_shot(
     pool: &rayon::ThreadPool,
     scene: &CompiledScene,
     tree: &Tree,
+    subdivision: &Subdivision,
+) -> Result<(FirstShot, u64), FirstShotError> {
+    let triangles: Vec<u32> = (0..scene.triangles.len() as u32).collect();
+    let parts: Vec<(Vec<LitPiece>, u64)> = pool.install(|| {
+        triangles
+            .par_chunks(TRIANGLES)
+            .map_init(Workspace::new, |workspace, triangles| {
+                let (mut pieces, mut rays) = (Vec::new(), 0);
+                for triangle in triangles {
+                    rays += lit_pieces(scene, tree, *triangle, subdivision, workspace, |p| pieces.push(p));
+                }
+                (pieces, rays)
+            })
+            .collect()
+    });
+    let rays = parts.iter().map(|p| p.1).sum();
+    Ok((FirstShot::new(scene, parts.into_iter().flat_map(|p| p.0).collect())?, rays))
+}
+
+/// Runs a job; the film is changed at the end or not at all. `shot` is the density of a job that starts on surfaces.
+pub(crate) fn run(
+    pool: &rayon::ThreadPool,
+    (scene, tree, shot): (&CompiledScene, &Tree, Option<&FirstShot>),
     code: TransportCode,
     job: &PhotonJob,
     control: &dyn Control,
     film: &mut Film,
 ) -> Result<JobStats, BackendError> {
     let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
+    let start = match (&job.start, shot) {
+        (PhotonStart::Surfaces(_), Some(shot)) => Start::Surfaces(shot),
+        (PhotonStart::Surfaces(_), None) => {
+            return Err(BackendError::BadJob { reason: "no density of starts" });
+        }
+        (PhotonStart::Lights { registers_direct }, _) => {
+            Start::Lights { plan: &plan, registers_direct: *registers_direct }
+        }
+    };
     let total = plan.total().into_iter().fold(0.0, f64::max);
     let unit = FluxUnit::new(total, job.photons);
     let areas = element_areas(scene);
@@ -103,7 +153,7 @@ pub(crate) fn run(
     let replicates = u64::from(job.replicates.end - job.replicates.start);
     let all = replicates * u64::from(job.photons);
     for replicate in job.replicates.clone() {
-        let shared = Shared { scene, tree, plan: &plan, job, unit, sums: &sums };
+        let shared = Shared { scene, tree, start, job, unit, sums: &sums };
         with_photon_tracer!(code, shared.scene, job.max_hits, |tracer| {
             pool.install(|| {
                 (0..job.photons.div_ceil(TASK)).into_par_iter().with_max_len(1).for_each(|task| {

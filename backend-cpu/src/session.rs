@@ -4,16 +4,19 @@ use crate::illumination;
 use crate::schedule::{image_chunks, run_blocks, single_chunks};
 use crate::simd::widest;
 use crate::tree::Tree;
-use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, PhotonJob, Probe, Session};
+use etendue_core::backend::{
+    self, BackendError, Control, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session,
+};
 use etendue_core::direct::irradiance::element_block;
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::SurfacePoint;
 use etendue_core::math::Vec3;
 use etendue_core::scene::CompiledScene;
+use etendue_core::transport::first_shot::{FirstShot, FirstShotError, Subdivision};
 use etendue_core::transport::path::PathTracer;
 use etendue_core::transport::{TransportCode, resolve_probe};
 use etendue_core::with_path_tracer;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// A scene opened on the CPU.
@@ -24,6 +27,8 @@ pub struct CpuSession {
     tree: Tree,
     preparation: Vec<(&'static str, f64)>,
     code: TransportCode,
+    /// The last density of photons' starts that was asked for.
+    shot: Mutex<Option<(Subdivision, Arc<FirstShot>)>>,
 }
 
 impl CpuSession {
@@ -32,7 +37,7 @@ impl CpuSession {
         let tree = Tree::build(&scene.primitives());
         let preparation = vec![("tree", start.elapsed().as_secs_f64())];
         let code = TransportCode::of(&scene.needs);
-        Ok(Self { pool, scene, tree, preparation, code })
+        Ok(Self { pool, scene, tree, preparation, code, shot: Mutex::new(None) })
     }
 
     /// The tree, for hosts that trace rays of their own.
@@ -45,6 +50,23 @@ impl CpuSession {
     pub fn with_code(mut self, code: TransportCode) -> Self {
         self.code = code;
         self
+    }
+
+    /// The density from which photons start on surfaces; kept until another subdivision is asked for.
+    ///
+    /// # Errors
+    /// [`FirstShotError`].
+    pub fn first_shot(&self, subdivision: &Subdivision) -> Result<Arc<FirstShot>, FirstShotError> {
+        // A panic elsewhere leaves nothing half-made here.
+        let mut kept = self.shot.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, shot)) = &*kept
+            && of == subdivision
+        {
+            return Ok(shot.clone());
+        }
+        let shot = Arc::new(illumination::first_shot(&self.pool, &self.scene, &self.tree, subdivision)?.0);
+        *kept = Some((*subdivision, shot.clone()));
+        Ok(shot)
     }
 
     fn check(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
@@ -172,6 +194,11 @@ impl Session for CpuSession {
         job.check()?;
         let expected = backend::illumination_film_settings(&self.scene, job)?;
         self.check_film("photon", film, &expected)?;
-        illumination::run(&self.pool, &self.scene, &self.tree, self.code, job, control, film)
+        let shot = match &job.start {
+            PhotonStart::Surfaces(subdivision) => Some(self.first_shot(subdivision)?),
+            PhotonStart::Lights { .. } => None,
+        };
+        let scene = (&*self.scene, &self.tree, shot.as_deref());
+        illumination::run(&self.pool, scene, self.code, job, control, film)
     }
 }

@@ -3,14 +3,15 @@
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
 use etendue_core::backend::{
-    BackendError, Control, NoControl, PathJob, PhotonJob, Probe, Session, illumination_film_settings,
-    probe_film_settings,
+    BackendError, Control, NoControl, PathJob, PhotonJob, PhotonStart, Probe, Session, direct_film_settings,
+    illumination_film_settings, probe_film_settings,
 };
 use etendue_core::film::Film;
 use etendue_core::illumination::element_areas;
 use etendue_core::scene::{
     LightDesc, MaterialDesc, MaterialKind, Reflectance, SceneDesc, ShapeDesc, ShapeKind, compile,
 };
+use etendue_core::transport::first_shot::{FirstShotError, Subdivision};
 use etendue_cpu::{CpuBackend, CpuSession};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -75,8 +76,13 @@ fn map(session: &CpuSession, job: &PhotonJob) -> Film {
     film
 }
 
-const JOB: PhotonJob =
-    PhotonJob { seed: 3, photons: 1 << 14, replicates: 0..16, max_hits: u32::MAX, registers_direct: true };
+const JOB: PhotonJob = PhotonJob {
+    seed: 3,
+    photons: 1 << 14,
+    replicates: 0..16,
+    max_hits: u32::MAX,
+    start: PhotonStart::Lights { registers_direct: true },
+};
 
 #[test]
 fn a_glowing_room_has_the_same_irradiance_everywhere() {
@@ -123,7 +129,7 @@ fn flux_is_conserved_bounce_by_bounce() {
     let albedo = [0.7_f64, 0.4, 0.1];
     for registers_direct in [true, false] {
         for max_hits in [1, 2, 3, u32::MAX] {
-            let job = PhotonJob { registers_direct, max_hits, ..JOB };
+            let job = PhotonJob { start: PhotonStart::Lights { registers_direct }, max_hits, ..JOB };
             let found = arriving_flux(&session, &job);
             for c in 0..3 {
                 let from = u32::from(!registers_direct);
@@ -191,6 +197,83 @@ fn photons_and_paths_agree_on_a_furnished_room() {
     }
 }
 
+/// The furnished room without its sphere: photons start on triangles.
+fn flat_furnished() -> SceneDesc {
+    let mut desc = furnished();
+    desc.shapes.retain(|s| !matches!(s.kind, ShapeKind::Sphere { .. }));
+    desc
+}
+
+#[test]
+fn pairs_reflect_what_lights_send() {
+    let session = session(&flat_furnished(), None);
+    let scene = session.scene();
+    // The flux that leaves after the first hit, counted at the surfaces.
+    let job = PathJob { seed: 1, block_length: 256, blocks: 0..16, max_depth: 1 };
+    let mut film = Film::new(direct_film_settings(scene, &job));
+    session.direct_irradiance(&job, &NoControl, &mut film).unwrap();
+    let areas = element_areas(scene);
+    let (mut truth, mut variance) = ([0.0_f64; 3], [0.0_f64; 3]);
+    for (i, area) in areas.iter().enumerate() {
+        let albedo = scene.material_of(i as u32).albedo;
+        let (mean, var) = (film.mean(i), film.variance(i).unwrap());
+        for c in 0..3 {
+            let k = f64::from(*area) * f64::from(albedo[c]);
+            truth[c] += k * mean[c];
+            variance[c] += k * k * var[c];
+        }
+    }
+    for (subdivision, tolerance) in
+        [(Subdivision::robust(), 0.005), (Subdivision::published(), 0.05), (Subdivision::None, 0.7)]
+    {
+        let shot = session.first_shot(&subdivision).unwrap();
+        for (found, (truth, variance)) in shot.reflected().into_iter().zip(truth.into_iter().zip(variance)) {
+            let allowed = tolerance * truth + 4.5 * variance.sqrt();
+            assert!(
+                (found - truth).abs() <= allowed,
+                "{subdivision:?}: {found} of {truth}, {allowed} allowed"
+            );
+        }
+        assert!(shot.survival() > 0.2 && shot.survival() < 0.6 && shot.pairs() >= 24, "{}", shot.survival());
+    }
+}
+
+#[test]
+fn photons_from_surfaces_and_from_lights_agree() {
+    let session = session(&flat_furnished(), None);
+    let job = PhotonJob { photons: 1 << 16, start: PhotonStart::Lights { registers_direct: false }, ..JOB };
+    let lights = map(&session, &job);
+    let surfaces =
+        map(&session, &PhotonJob { seed: 9, start: PhotonStart::Surfaces(Subdivision::robust()), ..job });
+    for element in 0..12 {
+        let (a, b) = (lights.mean(element), surfaces.mean(element));
+        let (da, db) = (lights.standard_error(element).unwrap(), surfaces.standard_error(element).unwrap());
+        for c in 0..3 {
+            // The density is piecewise linear: 2 % for what it misses.
+            let allowed = 4.5 * da[c].hypot(db[c]) + 0.02 * a[c];
+            assert!(
+                (a[c] - b[c]).abs() <= allowed,
+                "element {element}: {} from lights, {} from surfaces",
+                a[c],
+                b[c]
+            );
+        }
+    }
+    // The same number of photons says more when none is lost at the first hit.
+    let noise =
+        |film: &Film| (0..12).map(|i| film.variance(i).unwrap()[1] / film.mean(i)[1].powi(2)).sum::<f64>();
+    assert!(noise(&surfaces) < noise(&lights), "{} {}", noise(&surfaces), noise(&lights));
+}
+
+#[test]
+fn photons_start_on_triangles_only() {
+    let session = session(&furnished(), None);
+    let job = PhotonJob { start: PhotonStart::Surfaces(Subdivision::None), ..JOB };
+    let mut film = Film::new(illumination_film_settings(session.scene(), &job).unwrap());
+    let error = session.illumination(&job, &NoControl, &mut film).unwrap_err();
+    assert_eq!(error, BackendError::FirstShot(FirstShotError::RoundShapes { count: 1 }));
+}
+
 #[test]
 fn bits_depend_on_neither_threads_nor_splits() {
     let desc = furnished();
@@ -201,6 +284,9 @@ fn bits_depend_on_neither_threads_nor_splits() {
     late.merge(&map(&three, &PhotonJob { replicates: 0..2, ..JOB })).unwrap();
     assert!(late == whole);
     assert!(map(&three, &PhotonJob { seed: 4, replicates: 0..4, ..JOB }) != whole);
+    let job = PhotonJob { start: PhotonStart::Surfaces(Subdivision::robust()), replicates: 0..4, ..JOB };
+    let desc = flat_furnished();
+    assert!(map(&session(&desc, Some(3)), &job) == map(&session(&desc, Some(1)), &job));
 }
 
 #[test]

@@ -10,6 +10,7 @@ use crate::illumination;
 use crate::kernel::Kernel;
 use crate::math::Vec3;
 use crate::scene::CompiledScene;
+use crate::transport::first_shot::{FirstShotError, Subdivision};
 use crate::transport::photon::LightPlan;
 use alloc::boxed::Box;
 use alloc::string::String;
@@ -59,6 +60,8 @@ pub enum BackendError {
     NoCamera,
     /// Photons were asked for and nothing in the scene emits.
     Dark,
+    /// Photons cannot start on the surfaces of this scene.
+    FirstShot(FirstShotError),
     /// No device.
     NoAdapter {
         /// What was looked for.
@@ -110,6 +113,7 @@ impl fmt::Display for BackendError {
                 write!(f, "the scene needs {missing}, which method `{method}` of this version does not carry")
             }
             Self::Dark => write!(f, "nothing in the scene emits light: there are no photons to start"),
+            Self::FirstShot(e) => e.fmt(f),
             Self::NoCamera => write!(f, "the scene has no [camera], and an image needs one"),
             Self::NoAdapter { wanted } => write!(f, "no adapter found: {wanted}"),
             Self::LimitExceeded { what, asked, allowed } => {
@@ -127,6 +131,12 @@ impl fmt::Display for BackendError {
 }
 
 impl core::error::Error for BackendError {}
+
+impl From<FirstShotError> for BackendError {
+    fn from(e: FirstShotError) -> Self {
+        Self::FirstShot(e)
+    }
+}
 
 impl From<FilmError> for BackendError {
     fn from(e: FilmError) -> Self {
@@ -227,8 +237,20 @@ impl PathJob {
     }
 }
 
-/// An illumination map by photons from the lights.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// Where photons start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PhotonStart {
+    /// At the lights, by flux.
+    Lights {
+        /// Whether the first arrivals from point, spot and directional lights count: no where their direct light is added in closed form.
+        registers_direct: bool,
+    },
+    /// On the surfaces that lights without size light, by the flux that these send on; see [`crate::transport::first_shot`]. Direct light does not count.
+    Surfaces(Subdivision),
+}
+
+/// An illumination map by photons.
+#[derive(Clone, Debug, PartialEq)]
 pub struct PhotonJob {
     /// Seed of all samples.
     pub seed: u64,
@@ -238,8 +260,8 @@ pub struct PhotonJob {
     pub replicates: Range<u32>,
     /// Most arrivals of a photon; `u32::MAX` for no limit.
     pub max_hits: u32,
-    /// Whether the first arrivals from point, spot and directional lights count: no where their direct light is added in closed form.
-    pub registers_direct: bool,
+    /// Where they start.
+    pub start: PhotonStart,
 }
 
 impl PhotonJob {

@@ -8,7 +8,9 @@ use super::progress::Bar;
 use crate::driver::{self, Budget, Outcome, Settings};
 use crate::io::write_ply;
 use clap::ValueEnum;
+use etendue_core::backend::PhotonStart;
 use etendue_core::film::Film;
+use etendue_core::transport::first_shot::Subdivision;
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -18,8 +20,28 @@ use std::process::ExitCode;
 enum From {
     /// On the lights, by flux
     Lights,
-    /// On lit surfaces (not in this version)
+    /// On the surfaces that lights without size light, by what these send on
     Surfaces,
+}
+
+/// How photons that start on surfaces are weighted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Weights {
+    /// As published: alike within a piece; biased at edges of shadows
+    Density,
+    /// Without bias (not in this version)
+    Exact,
+}
+
+/// How lit triangles are cut into pieces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Subdivide {
+    /// With bounded angles, by seven samples
+    Robust,
+    /// As published
+    Published,
+    /// Not at all
+    None,
 }
 
 /// Options of `illuminate`.
@@ -33,6 +55,12 @@ pub(super) struct Args {
     /// Where photons start
     #[arg(long, value_enum, default_value_t = From::Lights)]
     from: From,
+    /// How photons from surfaces are weighted
+    #[arg(long, value_enum, default_value_t = Weights::Density)]
+    weights: Weights,
+    /// How lit triangles are cut into pieces, for photons from surfaces
+    #[arg(long, value_enum, default_value_t = Subdivide::Robust)]
+    subdivide: Subdivide,
     /// Photons, rounded up to whole replicates [default: 1048576]
     #[arg(long, value_name = "N", group = "budget", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     photons: Option<u64>,
@@ -55,6 +83,17 @@ pub(super) struct Args {
 }
 
 impl Args {
+    fn start(&self) -> PhotonStart {
+        match self.from {
+            From::Lights => PhotonStart::Lights { registers_direct: false },
+            From::Surfaces => PhotonStart::Surfaces(match self.subdivide {
+                Subdivide::None => Subdivision::None,
+                Subdivide::Published => Subdivision::published(),
+                Subdivide::Robust => Subdivision::robust(),
+            }),
+        }
+    }
+
     fn settings(&self) -> Settings {
         let budget = match (self.time, self.error) {
             (Some(seconds), _) => Budget::Seconds(seconds),
@@ -72,8 +111,8 @@ fn property(film: &Film, count: usize, channel: usize) -> Vec<f32> {
 
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
-    if args.from == From::Surfaces {
-        return Err(CliError::Usage("--from surfaces is not in this version, expected `lights`".into()));
+    if args.weights == Weights::Exact {
+        return Err(CliError::Usage("--weights exact is not in this version, expected `density`".into()));
     }
     check_folder(&args.output)?;
     let mut stages = Stages::new();
@@ -91,7 +130,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     let bar = Bar::new(&args.talk);
     let direct = driver::direct_irradiance(&*opened.session, settings.seed, &bar)?;
     stages.done("direct");
-    let indirect = driver::illumination(&*opened.session, &settings, &bar)?;
+    let indirect = driver::illumination(&*opened.session, &settings, args.start(), &bar)?;
     bar.finish();
     stages.done("photons");
     warn_about(&direct);
@@ -138,7 +177,8 @@ fn tell(
     if args.talk.json {
         let mut map = report(opened, indirect, settings.seed, stages);
         map.insert("method".into(), json!("photon"));
-        map.insert("from".into(), json!("lights"));
+        let from = args.from.to_possible_value().map(|v| v.get_name().to_owned());
+        map.insert("from".into(), json!(from));
         map.insert("photons".into(), json!(indirect.stats.paths));
         map.insert("hits".into(), json!(indirect.stats.hits));
         map.insert("rays".into(), json!(rays));

@@ -7,7 +7,7 @@
 //!
 //! Starts: [`LightPlan`] picks a light by flux, the classical way ([`crate::light::emit`]).
 
-use super::surface_at;
+use super::{Surface, surface_at};
 use crate::geometry::{Hit, Intersector, PrimitiveId, Ray};
 use crate::light::emit::{self, Emission};
 use crate::math::{self, Vec3};
@@ -19,8 +19,8 @@ use alloc::vec::Vec;
 /// Largest chance to survive a hit, so that walks end even in a closed room of albedo 1.
 const SURVIVAL_MAX: f32 = 0.95;
 /// Groups of sample dimensions: the start, the choice of the light, then one for each hit.
-const START_GROUP: u32 = 0;
-const PICK_GROUP: u32 = 1;
+pub(super) const START_GROUP: u32 = 0;
+pub(super) const PICK_GROUP: u32 = 1;
 const WALK_GROUP: u32 = 2;
 
 /// A photon between two hits.
@@ -35,6 +35,14 @@ pub struct Photon {
     pub hits: u32,
     /// Whether its first arrival is registered: not where direct light is known in closed form.
     pub registers_first: bool,
+}
+
+impl Photon {
+    /// A photon on its first flight, whose first arrival counts.
+    #[inline]
+    pub fn new(sampler: BlockSampler, ray: Ray, flux: Vec3) -> Self {
+        Self { sampler, flux, ray, hits: 0, registers_first: true }
+    }
 }
 
 /// Flux that arrives at a surface.
@@ -151,24 +159,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             return (arrival, false);
         }
         let [u, v, lobe, survive] = photon.sampler.group4(group);
-        let Some(s) = surface.lobes.sample(surface.shading, surface.wo, [u, v], lobe) else {
-            return (arrival, false);
-        };
-        let mut weight = s.weight;
-        if SHADING {
-            let (before, after) = (surface.wo.dot(surface.geometric), s.wi.dot(surface.geometric));
-            if after <= 0.0 {
-                return (arrival, false);
-            }
-            let down = before * s.wi.dot(surface.shading);
-            // At grazing angles the factor is unbounded; what it would add is noise of measure zero.
-            let factor = if down > 0.0 {
-                (surface.wo.dot(surface.shading) * after / down).clamp(0.0, 16.0)
-            } else {
-                0.0
-            };
-            weight *= factor;
-        }
+        let Some((wi, weight)) = self.leave(&surface, [u, v], lobe) else { return (arrival, false) };
         // The chance keeps the mean of the channels that are carried, so that no channel ever exceeds three times the start's mean. The mean of
         // the weight would not do: where one channel survives best, its share of the flux grows, and its variance without bound.
         let (before, after) = (math::mean(photon.flux), photon.flux * weight);
@@ -177,8 +168,44 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             return (arrival, false);
         }
         photon.flux = after / chance;
-        photon.ray = Ray { origin: surface.leave(s.wi), direction: s.wi, t_max: f32::MAX };
+        photon.ray = Ray { origin: surface.leave(wi), direction: wi, t_max: f32::MAX };
         (arrival, true)
+    }
+
+    /// A direction in which flux leaves a surface, and what it is multiplied by.
+    #[inline(always)]
+    fn leave(&self, surface: &Surface, u: [f32; 2], lobe: f32) -> Option<(Vec3, Vec3)> {
+        let s = surface.lobes.sample(surface.shading, surface.wo, u, lobe)?;
+        if !SHADING {
+            return Some((s.wi, s.weight));
+        }
+        let (before, after) = (surface.wo.dot(surface.geometric), s.wi.dot(surface.geometric));
+        if after <= 0.0 {
+            return None;
+        }
+        let down = before * s.wi.dot(surface.shading);
+        // At grazing angles the factor is unbounded; what it would add is noise of measure zero.
+        let factor =
+            if down > 0.0 { (surface.wo.dot(surface.shading) * after / down).clamp(0.0, 16.0) } else { 0.0 };
+        Some((s.wi, s.weight * factor))
+    }
+
+    /// A photon that starts where light without size arrives: `flux` \[W\] is what arrives at a point of a triangle along `ray`, as if it were the only one.
+    /// It leaves by the lobes with what they let through; `None` where nothing does.
+    #[inline]
+    pub fn start_on_surface(
+        &self,
+        hit: &Hit,
+        ray: &Ray,
+        flux: Vec3,
+        sampler: BlockSampler,
+    ) -> Option<Photon> {
+        let surface = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, ray, hit)?;
+        let [u, v, lobe, _] = sampler.group4(WALK_GROUP);
+        let (wi, weight) = self.leave(&surface, [u, v], lobe)?;
+        let flux = flux * weight;
+        let ray = Ray { origin: surface.leave(wi), direction: wi, t_max: f32::MAX };
+        (flux != Vec3::ZERO).then_some(Photon { sampler, flux, ray, hits: 1, registers_first: true })
     }
 
     /// Follows a photon to its end and hands out its arrivals; the rays it took.
