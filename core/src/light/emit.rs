@@ -59,11 +59,12 @@ fn spot_solid_angle([cone, full]: [f32; 2]) -> f32 {
 
 /// The x in [0, 1] with 2 x^3 - x^4 = `y`: the inverse of the distribution of a density in proportion to the smoothstep 3 x^2 - 2 x^3.
 ///
-/// Convex and rising, so that Newton's steps from cbrt(y), which lies above, come down monotonously; four leave 4 ulp of 1, six half of one.
+/// Convex and rising, so that Newton's steps from cbrt(y), which lies above, come down monotonously; three leave 4 units of 2^-24 and small x at 93 of their
+/// own, four leave 2 of either (measured over 3 10^5 values down to 1e-30).
 #[inline]
 fn invert_smoothstep(y: f32) -> f32 {
     let mut x = math::cbrt(y);
-    for _ in 0..6 {
+    for _ in 0..4 {
         let x2 = x * x;
         let slope = x2 * (6.0 - 4.0 * x);
         let over = x2 * x * (2.0 - x) - y;
