@@ -78,7 +78,6 @@ widest! {
                 Start::Surfaces(shot) => shot.start(shared.scene, tracer, sampler),
             };
             let Some(mut photon) = started else { continue };
-            // A loop here instead of `PhotonTracer::run`, whose closure would stay portable code.
             loop {
                 rays += 1;
                 let hit = shared.tree.closest_hit(&photon.ray);

@@ -8,7 +8,7 @@
 //! Starts: [`LightPlan`] picks a light by flux, the classical way ([`crate::light::emit`]).
 
 use super::{Surface, surface_at};
-use crate::geometry::{Hit, Intersector, PrimitiveId, Ray};
+use crate::geometry::{Hit, PrimitiveId, Ray};
 use crate::light::emit::{self, Emission};
 use crate::math::{self, Vec3};
 use crate::sampling::discrete::{IntegerCdf, WeightError};
@@ -184,7 +184,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             return None;
         }
         let down = before * s.wi.dot(surface.shading);
-        // At grazing angles the factor is unbounded; what it would add is noise of measure zero.
+        // Unbounded at grazing angles; the limit is a bias, of what leaves or arrives within 4 degrees of the surface where normals are interpolated.
         let factor =
             if down > 0.0 { (surface.wo.dot(surface.shading) * after / down).clamp(0.0, 16.0) } else { 0.0 };
         Some((s.wi, s.weight * factor))
@@ -206,28 +206,6 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let flux = flux * weight;
         let ray = Ray { origin: surface.leave(wi), direction: wi, t_max: f32::MAX };
         (flux != Vec3::ZERO).then_some(Photon { sampler, flux, ray, hits: 1, registers_first: true })
-    }
-
-    /// Follows a photon to its end and hands out its arrivals; the rays it took.
-    #[inline(always)]
-    pub fn run<I: Intersector + ?Sized>(
-        &self,
-        intersector: &I,
-        mut photon: Photon,
-        mut arrive: impl FnMut(Arrival),
-    ) -> u32 {
-        let mut rays = 0;
-        loop {
-            rays += 1;
-            let hit = intersector.closest_hit(&photon.ray);
-            let (arrival, lives) = self.advance(&mut photon, hit);
-            if let Some(arrival) = arrival {
-                arrive(arrival);
-            }
-            if !lives {
-                return rays;
-            }
-        }
     }
 }
 
