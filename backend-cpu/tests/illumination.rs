@@ -259,6 +259,12 @@ fn photons_from_surfaces_and_from_lights_agree() {
             );
         }
     }
+    // With one arrival a photon, that on the surface where it starts is the one, and it does not count; what is left is the lamp's.
+    let once = |start| map(&session, &PhotonJob { max_hits: 1, replicates: 0..4, start, ..JOB });
+    let surfaces_once = once(PhotonStart::Surfaces(Subdivision::robust()));
+    let lights_once = once(PhotonStart::Lights { registers_direct: false });
+    let total = |film: &Film| (0..12).map(|i| film.mean(i)[0]).sum::<f64>();
+    assert!((total(&surfaces_once) / total(&lights_once) - 1.0).abs() < 0.05);
     // The same number of photons says more when none is lost at the first hit.
     let noise =
         |film: &Film| (0..12).map(|i| film.variance(i).unwrap()[1] / film.mean(i)[1].powi(2)).sum::<f64>();

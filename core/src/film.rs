@@ -286,7 +286,7 @@ fn add_saturating(to: &mut i128, x: i128) -> u64 {
 
 /// 2^n as f64, exactly, for |n| <= 1022; clamped beyond.
 #[inline]
-fn power_of_two(n: i32) -> f64 {
+pub(crate) fn power_of_two(n: i32) -> f64 {
     f64::from_bits(((n.clamp(-1022, 1023) + 1023) as u64) << 52)
 }
 

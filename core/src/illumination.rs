@@ -6,8 +6,7 @@
 //!
 //! Element j is primitive j: what arrives on either side, over its area of one side. An element without area receives nothing.
 
-use crate::film::FilmSettings;
-use crate::geometry::triangle_area;
+use crate::film::{FilmSettings, power_of_two, scale_exponent};
 use crate::math::Vec3;
 use crate::scene::CompiledScene;
 use alloc::vec::Vec;
@@ -30,7 +29,7 @@ pub struct FluxUnit {
 impl FluxUnit {
     /// For replicates of `photons` photons that carry `total` \[W\] (the largest channel) between them.
     pub fn new(total: f64, photons: u32) -> Self {
-        let exponent = crate::film::scale_exponent(total as f32);
+        let exponent = scale_exponent(total as f32);
         Self { scale: power_of_two(FRACTION_BITS - exponent), photons: f64::from(photons.max(1)) }
     }
 
@@ -59,20 +58,9 @@ impl FluxUnit {
     }
 }
 
-fn power_of_two(n: i32) -> f64 {
-    f64::from_bits(((n.clamp(-1022, 1023) + 1023) as u64) << 52)
-}
-
 /// Area of each element \[m^2\], both sides counted once; 0 for what has none.
 pub fn element_areas(scene: &CompiledScene) -> Vec<f32> {
-    let primitives = scene.primitives();
-    (0..primitives.count() as u32)
-        .map(|id| match (primitives.vertices(id), primitives.shape(id)) {
-            (Some(v), _) => triangle_area(v),
-            (_, Some(s)) => crate::scene::shape_area(s),
-            _ => 0.0,
-        })
-        .collect()
+    (0..scene.primitives().count() as u32).map(|id| scene.primitive_area(id)).collect()
 }
 
 /// Irradiance \[W/m^2\] of a replicate per element from its sums, three channels an element.
@@ -95,6 +83,6 @@ pub fn film_settings(elements: usize, total: [f64; 3], area: f64, seed: u64, pho
         height: 1,
         seed,
         block_length: photons,
-        scale_exponent: crate::film::scale_exponent(mean),
+        scale_exponent: scale_exponent(mean),
     }
 }

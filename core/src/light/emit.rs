@@ -28,6 +28,15 @@ pub fn is_point_like(light: &LightRecord) -> bool {
         || light.kind == LightKind::Directional as u32
 }
 
+/// Unit direction from `p` towards a light without size, lit or not; zero at the light itself.
+#[inline]
+pub fn toward(light: &LightRecord, p: Vec3) -> Vec3 {
+    if light.kind == LightKind::Directional as u32 {
+        return -Vec3::from_array(light.normal);
+    }
+    math::normalize_or(Vec3::from_array(light.point) - p, Vec3::ZERO)
+}
+
 /// Emitted flux \[W\] per channel; of a directional light what reaches a sphere of `radius` \[m\] around the scene.
 #[inline]
 pub fn flux(light: &LightRecord, radius: f32) -> Vec3 {

@@ -203,16 +203,21 @@ impl CompiledScene {
         bounding_sphere(&self.bounds)
     }
 
+    /// Area of a primitive, one side \[m^2\]; 0 for what is none.
+    pub fn primitive_area(&self, id: u32) -> f32 {
+        let primitives = self.primitives();
+        match (primitives.vertices(id), primitives.shape(id)) {
+            (Some(v), _) => crate::geometry::triangle_area(v),
+            (_, Some(s)) => super::lights::shape_area(s),
+            _ => 0.0,
+        }
+    }
+
     /// Total area of all surfaces, one side each \[m^2\].
     pub fn area(&self) -> f64 {
-        let primitives = self.primitives();
         let mut sum = crate::math::Compensated::<f64>::new(0.0);
-        for id in 0..primitives.count() as u32 {
-            sum.add(f64::from(match (primitives.vertices(id), primitives.shape(id)) {
-                (Some(v), _) => crate::geometry::triangle_area(v),
-                (_, Some(s)) => super::lights::shape_area(s),
-                _ => 0.0,
-            }));
+        for id in 0..self.primitives().count() as u32 {
+            sum.add(f64::from(self.primitive_area(id)));
         }
         sum.value()
     }

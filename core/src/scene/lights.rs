@@ -32,7 +32,7 @@ const EMPTY: LightRecord = LightRecord {
 };
 
 /// Area of a sphere or a disk \[m^2\].
-pub(crate) fn shape_area(shape: &RoundShape) -> f32 {
+pub(super) fn shape_area(shape: &RoundShape) -> f32 {
     let disk = PI * shape.radius * shape.radius;
     if shape.kind == geometry::SPHERE { 4.0 * disk } else { disk }
 }

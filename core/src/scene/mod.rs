@@ -24,5 +24,4 @@ pub use desc::{
     SceneDesc, ShapeDesc, ShapeKind, TextureDesc, Wrap,
 };
 pub use error::{Cleanup, CompileReport, SceneError};
-pub(crate) use lights::shape_area;
 pub use needs::SceneNeeds;

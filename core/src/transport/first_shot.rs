@@ -15,7 +15,7 @@ use crate::direct::emission::{EmissionTable, Entry, emission};
 use crate::direct::irradiance::from_light;
 use crate::direct::subdivide::{Bary, Limits, Published, Robust, Workspace};
 use crate::geometry::{Hit, Intersector, Ray, hit_point_with, triangle_area};
-use crate::light::{self, emit};
+use crate::light::emit;
 use crate::math::{self, Vec3};
 use crate::sampling::discrete::IntegerCdf;
 use crate::sampling::linear_triangle;
@@ -274,9 +274,8 @@ impl FirstShot {
                 }
                 let v = scene.primitives().vertices(piece.triangle)?;
                 let point = v[0] * b[0] + v[1] * b[1] + v[2] * b[2];
-                // From where the light comes: a point light's own sampling knows.
-                let wi = light::sample(light, point, [0.0; 2])?.wi;
-                let ray = Ray { origin: point, direction: -wi, t_max: f32::MAX };
+                // The density is linear, and so a little more than nothing beyond a spot's cone or in a shadow's edge: what starts there counts.
+                let ray = Ray { origin: point, direction: -emit::toward(light, point), t_max: f32::MAX };
                 let hit = Hit { t: 0.0, primitive: piece.triangle, b1: b[1], b2: b[2] };
                 tracer.start_on_surface(&hit, &ray, Vec3::from_array(piece.arriving) / pick.pmf, sampler)
             }

@@ -328,22 +328,6 @@ impl PathState {
 macro_rules! with_path_tracer {
     ($code:expr, $scene:expr, $max_depth:expr, |$tracer:ident| $body:expr) => {{
         use $crate::transport::path::PathTracer;
-        let code: $crate::transport::TransportCode = $code;
-        macro_rules! instance {
-            ($l:literal, $t:literal, $s:literal) => {{
-                let $tracer = PathTracer::<$l, $t, $s>::new($scene, $max_depth);
-                $body
-            }};
-        }
-        match (code.lobes, code.textures, code.shading_normals) {
-            (false, false, false) => instance!(false, false, false),
-            (false, false, true) => instance!(false, false, true),
-            (false, true, false) => instance!(false, true, false),
-            (false, true, true) => instance!(false, true, true),
-            (true, false, false) => instance!(true, false, false),
-            (true, false, true) => instance!(true, false, true),
-            (true, true, false) => instance!(true, true, false),
-            (true, true, true) => instance!(true, true, true),
-        }
+        $crate::with_transport_code!($code, |$tracer = PathTracer($scene, $max_depth)| $body)
     }};
 }

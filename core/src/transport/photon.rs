@@ -141,7 +141,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     /// The photon has reached a surface, or nothing: what arrives, and whether it flies on.
     #[inline(always)]
     pub fn advance(&self, photon: &mut Photon, hit: Option<Hit>) -> (Option<Arrival>, bool) {
-        let Some(hit) = hit else { return (None, false) };
+        // A photon that starts on a surface has arrived once already.
+        let Some(hit) = hit.filter(|_| photon.hits < self.max_hits) else { return (None, false) };
         let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &photon.ray, &hit) else {
             return (None, false);
         };
@@ -214,22 +215,6 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
 macro_rules! with_photon_tracer {
     ($code:expr, $scene:expr, $max_hits:expr, |$tracer:ident| $body:expr) => {{
         use $crate::transport::photon::PhotonTracer;
-        let code: $crate::transport::TransportCode = $code;
-        macro_rules! instance {
-            ($l:literal, $t:literal, $s:literal) => {{
-                let $tracer = PhotonTracer::<$l, $t, $s>::new($scene, $max_hits);
-                $body
-            }};
-        }
-        match (code.lobes, code.textures, code.shading_normals) {
-            (false, false, false) => instance!(false, false, false),
-            (false, false, true) => instance!(false, false, true),
-            (false, true, false) => instance!(false, true, false),
-            (false, true, true) => instance!(false, true, true),
-            (true, false, false) => instance!(true, false, false),
-            (true, false, true) => instance!(true, false, true),
-            (true, true, false) => instance!(true, true, false),
-            (true, true, true) => instance!(true, true, true),
-        }
+        $crate::with_transport_code!($code, |$tracer = PhotonTracer($scene, $max_hits)| $body)
     }};
 }

@@ -30,6 +30,31 @@ impl TransportCode {
     pub const FULL: Self = Self { lobes: true, textures: true, shading_normals: true };
 }
 
+/// Runs `$body` with `$tracer` bound to the instance of `$kind` that has just the code that `$code` names.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! with_transport_code {
+    ($code:expr, |$tracer:ident = $kind:ident($($argument:expr),*)| $body:expr) => {{
+        let code: $crate::transport::TransportCode = $code;
+        macro_rules! instance {
+            ($l:literal, $t:literal, $s:literal) => {{
+                let $tracer = $kind::<$l, $t, $s>::new($($argument),*);
+                $body
+            }};
+        }
+        match (code.lobes, code.textures, code.shading_normals) {
+            (false, false, false) => instance!(false, false, false),
+            (false, false, true) => instance!(false, false, true),
+            (false, true, false) => instance!(false, true, false),
+            (false, true, true) => instance!(false, true, true),
+            (true, false, false) => instance!(true, false, false),
+            (true, false, true) => instance!(true, false, true),
+            (true, true, false) => instance!(true, true, false),
+            (true, true, true) => instance!(true, true, true),
+        }
+    }};
+}
+
 /// A surface point as a path sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
