@@ -11,7 +11,8 @@ use etendue_core::backend::{
     self, BackendError, Control, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session,
 };
 use etendue_core::film::Film;
-use etendue_core::illumination::element_areas;
+use etendue_core::illumination::{ElementSettings, Elements};
+use etendue_core::transport::photon::Sequence;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
@@ -164,7 +165,18 @@ pub fn photons_per_replicate(budget: Budget) -> u32 {
     }
 }
 
-/// Irradiance on the scene's primitives by photons; for the rest of light, start them so that the direct light of lights without size does not count. The budget counts photons;
+/// How photons are traced and summed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhotonSettings {
+    /// Where they start.
+    pub start: PhotonStart,
+    /// Where their numbers come from.
+    pub sequence: Sequence,
+    /// What the map is divided into.
+    pub elements: ElementSettings,
+}
+
+/// Irradiance on elements of the scene's surfaces by photons; for the rest of light, start them so that the direct light of lights without size does not count. The budget counts photons;
 /// errors are weighted by area.
 ///
 /// # Errors
@@ -172,42 +184,42 @@ pub fn photons_per_replicate(budget: Budget) -> u32 {
 pub fn illumination(
     session: &dyn Session,
     settings: &Settings,
-    start: PhotonStart,
+    photons: &PhotonSettings,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, BackendError> {
-    let photons = photons_per_replicate(settings.budget);
     let of = |job: &PathJob| PhotonJob {
         seed: job.seed,
         photons: job.block_length,
         replicates: job.blocks.clone(),
         max_hits: job.max_depth,
-        start,
+        start: photons.start,
+        sequence: photons.sequence,
+        elements: photons.elements,
     };
-    let first =
-        PathJob { seed: settings.seed, block_length: photons, blocks: 0..0, max_depth: settings.max_depth };
-    let film = Film::new(backend::illumination_film_settings(session.scene(), &of(&first))?);
-    let areas = element_areas(session.scene());
-    let weight = |i: usize| areas.get(i).map_or(0.0, |a| f64::from(*a));
-    drive(film, first, settings.budget, watcher, &weight, |job, control, film| {
+    let block_length = photons_per_replicate(settings.budget);
+    let first = PathJob { seed: settings.seed, block_length, blocks: 0..0, max_depth: settings.max_depth };
+    let elements = Elements::new(session.scene(), photons.elements);
+    let film = Film::new(backend::illumination_film_settings(session.scene(), &elements, &of(&first))?);
+    drive(film, first, settings.budget, watcher, &|i| elements.weight(i), |job, control, film| {
         session.illumination(&of(job), control, film)
     })
 }
 
-/// Direct irradiance of lights without size on the scene's primitives, from 64 points on each: eight nets of eight.
+/// Direct irradiance of lights without size on elements, from 64 points on each division: eight nets of eight.
 ///
 /// # Errors
 /// As [`Session::direct_irradiance`]; being stopped is no error.
 pub fn direct_irradiance(
     session: &dyn Session,
     seed: u64,
+    elements: &ElementSettings,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, BackendError> {
     let first = PathJob { seed, block_length: 8, blocks: 0..0, max_depth: 1 };
-    let film = Film::new(backend::direct_film_settings(session.scene(), &first));
-    let areas = element_areas(session.scene());
-    let weight = |i: usize| areas.get(i).map_or(0.0, |a| f64::from(*a));
-    drive(film, first, Budget::Samples(64), watcher, &weight, |job, control, film| {
-        session.direct_irradiance(job, control, film)
+    let divided = Elements::new(session.scene(), *elements);
+    let film = Film::new(backend::direct_film_settings(session.scene(), &divided, &first));
+    drive(film, first, Budget::Samples(64), watcher, &|i| divided.weight(i), |job, control, film| {
+        session.direct_irradiance(job, elements, control, film)
     })
 }
 

@@ -4,7 +4,7 @@
 //! indices only, and films add integers.
 
 pub mod bc1;
-mod illumination;
+mod photons;
 mod linear;
 pub mod linear_triangle;
 pub mod log_offset;

@@ -1,23 +1,47 @@
 //! A scene with its tree, and the jobs on it.
 
-use crate::illumination;
+use crate::photons;
 use crate::schedule::{image_chunks, run_blocks, single_chunks};
 use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{
     self, BackendError, Control, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session,
 };
-use etendue_core::direct::irradiance::element_block;
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::SurfacePoint;
 use etendue_core::math::Vec3;
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::first_shot::{FirstShot, FirstShotError, Subdivision};
+use etendue_core::illumination::{ElementSettings, Elements};
+use etendue_core::transport::first_shot::{FirstShot, FirstShotError, Subdivision, Weights};
 use etendue_core::transport::path::PathTracer;
 use etendue_core::transport::{TransportCode, resolve_probe};
 use etendue_core::with_path_tracer;
+use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+
+/// What was made last, kept until something else is asked for.
+#[derive(Debug)]
+struct Kept<K, V>(Mutex<Option<(K, Arc<V>)>>);
+
+impl<K: PartialEq + Clone, V> Kept<K, V> {
+    fn new() -> Self {
+        Self(Mutex::new(None))
+    }
+
+    fn get<E>(&self, key: &K, make: impl FnOnce() -> Result<V, E>) -> Result<Arc<V>, E> {
+        // A panic elsewhere leaves nothing half-made here.
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, value)) = &*kept
+            && of == key
+        {
+            return Ok(value.clone());
+        }
+        let value = Arc::new(make()?);
+        *kept = Some((key.clone(), value.clone()));
+        Ok(value)
+    }
+}
 
 /// A scene opened on the CPU.
 #[derive(Debug)]
@@ -27,8 +51,9 @@ pub struct CpuSession {
     tree: Tree,
     preparation: Vec<(&'static str, f64)>,
     code: TransportCode,
-    /// The last density of photons' starts that was asked for.
-    shot: Mutex<Option<(Subdivision, Arc<FirstShot>)>>,
+    /// The last density of photons' starts that was asked for, and the last elements.
+    shot: Kept<(Subdivision, Weights), FirstShot>,
+    elements: Kept<ElementSettings, Elements>,
 }
 
 impl CpuSession {
@@ -37,7 +62,7 @@ impl CpuSession {
         let tree = Tree::build(&scene.primitives());
         let preparation = vec![("tree", start.elapsed().as_secs_f64())];
         let code = TransportCode::of(&scene.needs);
-        Ok(Self { pool, scene, tree, preparation, code, shot: Mutex::new(None) })
+        Ok(Self { pool, scene, tree, preparation, code, shot: Kept::new(), elements: Kept::new() })
     }
 
     /// The tree, for hosts that trace rays of their own.
@@ -52,21 +77,19 @@ impl CpuSession {
         self
     }
 
-    /// The density from which photons start on surfaces; kept until another subdivision is asked for.
+    /// The density from which photons start on surfaces; kept until another is asked for.
     ///
     /// # Errors
     /// [`FirstShotError`].
-    pub fn first_shot(&self, subdivision: &Subdivision) -> Result<Arc<FirstShot>, FirstShotError> {
-        // A panic elsewhere leaves nothing half-made here.
-        let mut kept = self.shot.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((of, shot)) = &*kept
-            && of == subdivision
-        {
-            return Ok(shot.clone());
-        }
-        let shot = Arc::new(illumination::first_shot(&self.pool, &self.scene, &self.tree, subdivision)?.0);
-        *kept = Some((*subdivision, shot.clone()));
-        Ok(shot)
+    pub fn first_shot(&self, subdivision: &Subdivision, weights: Weights) -> Result<Arc<FirstShot>, FirstShotError> {
+        self.shot.get(&(*subdivision, weights), || {
+            Ok(photons::first_shot(&self.pool, &self.scene, &self.tree, subdivision, weights)?.0)
+        })
+    }
+
+    fn elements(&self, settings: &ElementSettings) -> Arc<Elements> {
+        let Ok(elements) = self.elements.get(settings, || Ok::<_, Infallible>(Elements::new(&self.scene, *settings)));
+        elements
     }
 
     fn check(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
@@ -171,18 +194,14 @@ impl Session for CpuSession {
     fn direct_irradiance(
         &self,
         job: &PathJob,
+        elements: &ElementSettings,
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
-        let expected = backend::direct_film_settings(&self.scene, job);
+        let elements = self.elements(elements);
+        let expected = backend::direct_film_settings(&self.scene, &elements, job);
         self.check(job, film, &expected)?;
-        // In the order of the primitives, which are neighbours in most files.
-        let elements: Vec<u32> = (0..expected.width).collect();
-        let chunks: Vec<Vec<u32>> = elements.chunks(256).map(<[u32]>::to_vec).collect();
-        let mean = |element: u32, block: u32| {
-            element_block(&self.scene, &self.tree, element, job.seed, block, job.block_length)
-        };
-        run_blocks(&self.pool, job, &chunks, mean, control, film)
+        photons::direct(&self.pool, (&self.scene, &self.tree, &elements), job, control, film)
     }
 
     fn illumination(
@@ -192,13 +211,14 @@ impl Session for CpuSession {
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
         job.check()?;
-        let expected = backend::illumination_film_settings(&self.scene, job)?;
+        let elements = self.elements(&job.elements);
+        let expected = backend::illumination_film_settings(&self.scene, &elements, job)?;
         self.check_film("photon", film, &expected)?;
         let shot = match &job.start {
-            PhotonStart::Surfaces(subdivision) => Some(self.first_shot(subdivision)?),
+            PhotonStart::Surfaces { subdivision, weights } => Some(self.first_shot(subdivision, *weights)?),
             PhotonStart::Lights { .. } => None,
         };
-        let scene = (&*self.scene, &self.tree, shot.as_deref());
-        illumination::run(&self.pool, scene, self.code, job, control, film)
+        let scene = (&*self.scene, &self.tree, &*elements, shot.as_deref());
+        photons::run(&self.pool, scene, self.code, job, control, film)
     }
 }

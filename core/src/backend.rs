@@ -6,12 +6,12 @@
 //! reaches their math.
 
 use crate::film::{Film, FilmError, FilmSettings, scale_exponent};
-use crate::illumination;
+use crate::illumination::{self, ElementSettings, Elements};
 use crate::kernel::Kernel;
 use crate::math::Vec3;
 use crate::scene::CompiledScene;
-use crate::transport::first_shot::{FirstShotError, Subdivision};
-use crate::transport::photon::LightPlan;
+use crate::transport::first_shot::{FirstShotError, Subdivision, Weights};
+use crate::transport::photon::{LightPlan, Sequence};
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -244,9 +244,21 @@ pub enum PhotonStart {
     Lights {
         /// Whether the first arrivals from point, spot and directional lights count: no where their direct light is added in closed form.
         registers_direct: bool,
+        /// Whether photons survive their first hit whatever the albedo, and are weighted by it.
+        survives_first: bool,
     },
     /// On the surfaces that lights without size light, by the flux that these send on; see [`crate::transport::first_shot`]. Direct light does not count.
-    Surfaces(Subdivision),
+    Surfaces {
+        /// How these are cut into pieces.
+        subdivision: Subdivision,
+        /// What photons carry.
+        weights: Weights,
+    },
+}
+
+impl PhotonStart {
+    /// At the lights, without their direct light.
+    pub const LIGHTS: Self = Self::Lights { registers_direct: false, survives_first: false };
 }
 
 /// An illumination map by photons.
@@ -262,6 +274,10 @@ pub struct PhotonJob {
     pub max_hits: u32,
     /// Where they start.
     pub start: PhotonStart,
+    /// Where their numbers come from.
+    pub sequence: Sequence,
+    /// What the map is divided into.
+    pub elements: ElementSettings,
 }
 
 impl PhotonJob {
@@ -322,22 +338,23 @@ pub trait Session: Send + Sync {
         film: &mut Film,
     ) -> Result<JobStats, BackendError>;
 
-    /// Mean direct irradiance of lights without size on the scene's primitives, both sides, into `film` (of [`direct_film_settings`]); samples are
-    /// points on a primitive, each with a shadow ray to each light. On an error the film is unchanged.
+    /// Direct irradiance of lights without size on elements of the scene's surfaces, into `film` (of [`direct_film_settings`]); samples are
+    /// points on each division of a primitive, with a shadow ray to each light. On an error the film is unchanged.
     ///
     /// # Errors
     /// When the scene needs more than surfaces, the film does not fit, the control cancels, or the backend has no such job.
     fn direct_irradiance(
         &self,
         job: &PathJob,
+        elements: &ElementSettings,
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
-        let _ = (job, control, film);
+        let _ = (job, elements, control, film);
         Err(BackendError::Unsupported { backend: "chosen", what: "illumination maps".into() })
     }
 
-    /// Irradiance on the scene's primitives by photons from the lights, into `film` (of [`illumination_film_settings`]). On an error the
+    /// Irradiance on elements of the scene's surfaces by photons, into `film` (of [`illumination_film_settings`]). On an error the
     /// film is unchanged.
     ///
     /// # Errors
@@ -353,22 +370,22 @@ pub trait Session: Send + Sync {
     }
 }
 
-/// Settings of the film of a job of direct irradiance on this scene: one row of its primitives.
-pub fn direct_film_settings(scene: &CompiledScene, job: &PathJob) -> FilmSettings {
-    film_settings(scene, job, scene.primitives().count().min(u32::MAX as usize) as u32, 1)
+/// Settings of the film of a job of direct irradiance on this scene: one row of its elements.
+pub fn direct_film_settings(scene: &CompiledScene, elements: &Elements, job: &PathJob) -> FilmSettings {
+    film_settings(scene, job, elements.count().min(u32::MAX as usize) as u32, 1)
 }
 
-/// Settings of the film of an illumination map of this scene: one row of its primitives.
+/// Settings of the film of an illumination map of this scene: one row of its elements.
 ///
 /// # Errors
 /// When nothing emits.
 pub fn illumination_film_settings(
     scene: &CompiledScene,
+    elements: &Elements,
     job: &PhotonJob,
 ) -> Result<FilmSettings, BackendError> {
     let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
-    let elements = scene.primitives().count();
-    Ok(illumination::film_settings(elements, plan.total(), scene.area(), job.seed, job.photons))
+    Ok(illumination::film_settings(elements.count(), plan.total(), scene.area(), job.seed, job.photons))
 }
 
 /// The largest radiance, intensity or irradiance that a scene's lights state.

@@ -1,48 +1,19 @@
 //! `etendue illuminate`: an illumination map on the mesh.
 
 use super::args::{BackendArgs, TalkArgs, positive};
+use super::photon_args::PhotonArgs;
 use super::error::{CliError, INTERRUPTED};
 use super::job::{Stages, open, read_scene, report, warn_about};
 use super::output::check_folder;
 use super::progress::Bar;
 use crate::driver::{self, Budget, Outcome, Settings};
-use crate::io::write_ply;
-use clap::ValueEnum;
-use etendue_core::backend::PhotonStart;
+use crate::io::{SaveError, write_ply};
 use etendue_core::film::Film;
-use etendue_core::transport::first_shot::Subdivision;
+use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
+use etendue_core::scene::CompiledScene;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// Where photons start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum From {
-    /// On the lights, by flux
-    Lights,
-    /// On the surfaces that lights without size light, by what these send on
-    Surfaces,
-}
-
-/// How photons that start on surfaces are weighted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Weights {
-    /// As published: alike within a piece; biased at edges of shadows
-    Density,
-    /// Without bias (not in this version)
-    Exact,
-}
-
-/// How lit triangles are cut into pieces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Subdivide {
-    /// With bounded angles, by seven samples
-    Robust,
-    /// As published
-    Published,
-    /// Not at all
-    None,
-}
 
 /// Options of `illuminate`.
 #[derive(Debug, clap::Args)]
@@ -52,15 +23,8 @@ pub(super) struct Args {
     /// The mesh with irradiance per face [W m^-2]: direct_r/g/b of lights without size, indirect_r/g/b of everything else, stderr_r/g/b of their sum
     #[arg(short, long, value_name = "OUT.ply")]
     output: PathBuf,
-    /// Where photons start
-    #[arg(long, value_enum, default_value_t = From::Lights)]
-    from: From,
-    /// How photons from surfaces are weighted
-    #[arg(long, value_enum, default_value_t = Weights::Density)]
-    weights: Weights,
-    /// How lit triangles are cut into pieces, for photons from surfaces
-    #[arg(long, value_enum, default_value_t = Subdivide::Robust)]
-    subdivide: Subdivide,
+    #[command(flatten)]
+    photon: PhotonArgs,
     /// Photons, rounded up to whole replicates [default: 1048576]
     #[arg(long, value_name = "N", group = "budget", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     photons: Option<u64>,
@@ -83,17 +47,6 @@ pub(super) struct Args {
 }
 
 impl Args {
-    fn start(&self) -> PhotonStart {
-        match self.from {
-            From::Lights => PhotonStart::Lights { registers_direct: false },
-            From::Surfaces => PhotonStart::Surfaces(match self.subdivide {
-                Subdivide::None => Subdivision::None,
-                Subdivide::Published => Subdivision::published(),
-                Subdivide::Robust => Subdivision::robust(),
-            }),
-        }
-    }
-
     fn settings(&self) -> Settings {
         let budget = match (self.time, self.error) {
             (Some(seconds), _) => Budget::Seconds(seconds),
@@ -104,16 +57,39 @@ impl Args {
     }
 }
 
-/// A channel of a film as a property of the first `count` elements.
-fn property(film: &Film, count: usize, channel: usize) -> Vec<f32> {
-    (0..count).map(|i| film.mean(i)[channel] as f32).collect()
+/// Writes the sums on the mesh of their elements.
+fn write_map(
+    path: &Path,
+    scene: &CompiledScene,
+    settings: &ElementSettings,
+    direct: &Film,
+    indirect: &Film,
+) -> Result<(), SaveError> {
+    let mesh = Elements::new(scene, *settings).mesh(scene);
+    let mut properties = Vec::new();
+    for (channel, names) in [
+        ["direct_r", "indirect_r", "stderr_r"],
+        ["direct_g", "indirect_g", "stderr_g"],
+        ["direct_b", "indirect_b", "stderr_b"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let of = |value: &dyn Fn(usize) -> f64| -> Vec<f32> {
+            mesh.elements.iter().map(|e| value(*e as usize) as f32).collect()
+        };
+        properties.push((names[0], of(&|i| direct.mean(i)[channel])));
+        properties.push((names[1], of(&|i| indirect.mean(i)[channel])));
+        properties.push((names[2], of(&|i| driver::error_of_sum(direct, indirect, i)[channel])));
+    }
+    match settings.basis {
+        Basis::Constant => write_ply(path, &mesh.positions, &mesh.triangles, &[], &properties),
+        Basis::Linear => write_ply(path, &mesh.positions, &mesh.triangles, &properties, &[]),
+    }
 }
 
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
-    if args.weights == Weights::Exact {
-        return Err(CliError::Usage("--weights exact is not in this version, expected `density`".into()));
-    }
     check_folder(&args.output)?;
     let mut stages = Stages::new();
     let (scene, _) = read_scene(&args.scene, None, &args.talk, &mut stages)?;
@@ -128,9 +104,10 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     }
     let settings = args.settings();
     let bar = Bar::new(&args.talk);
-    let direct = driver::direct_irradiance(&*opened.session, settings.seed, &bar)?;
+    let photons = args.photon.settings(Sides::Together);
+    let direct = driver::direct_irradiance(&*opened.session, settings.seed, &photons.elements, &bar)?;
     stages.done("direct");
-    let indirect = driver::illumination(&*opened.session, &settings, args.start(), &bar)?;
+    let indirect = driver::illumination(&*opened.session, &settings, &photons, &bar)?;
     bar.finish();
     stages.done("photons");
     warn_about(&direct);
@@ -140,22 +117,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         eprintln!("stopped before the first replicate of photons was complete: nothing was written");
         return Ok(ExitCode::from(INTERRUPTED));
     }
-    let count = scene.triangles.len();
-    let mut properties = Vec::new();
-    for (channel, names) in [
-        ["direct_r", "indirect_r", "stderr_r"],
-        ["direct_g", "indirect_g", "stderr_g"],
-        ["direct_b", "indirect_b", "stderr_b"],
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        properties.push((names[0], property(&direct.film, count, channel)));
-        properties.push((names[1], property(&indirect.film, count, channel)));
-        let error = |i: usize| driver::error_of_sum(&direct.film, &indirect.film, i)[channel] as f32;
-        properties.push((names[2], (0..count).map(error).collect()));
-    }
-    write_ply(&args.output, &scene.positions, &scene.triangles, &[], &properties)?;
+    write_map(&args.output, scene, &photons.elements, &direct.film, &indirect.film)?;
     stages.done("write");
     tell(args, &opened, &direct, &indirect, &settings, &stages);
     if cancelled {
@@ -177,8 +139,7 @@ fn tell(
     if args.talk.json {
         let mut map = report(opened, indirect, settings.seed, stages);
         map.insert("method".into(), json!("photon"));
-        let from = args.from.to_possible_value().map(|v| v.get_name().to_owned());
-        map.insert("from".into(), json!(from));
+        map.insert("from".into(), json!(args.photon.from_name()));
         map.insert("photons".into(), json!(indirect.stats.paths));
         map.insert("hits".into(), json!(indirect.stats.hits));
         map.insert("rays".into(), json!(rays));

@@ -8,6 +8,7 @@ mod illuminate;
 mod info;
 mod job;
 mod output;
+mod photon_args;
 mod probe;
 mod progress;
 mod render;

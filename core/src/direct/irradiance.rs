@@ -3,7 +3,9 @@
 //! E = I(w) |cos| / d^2 V for a point light or a spot of intensity I, E0 |cos| V for a directional one \[W/m^2\]. Both sides of a surface count, as
 //! photons count on both: what is asked for is the light that arrives at the place, from either side.
 
-use crate::geometry::{Intersector, Ray, SPHERE, SurfacePoint, hit_point_with, shape_normal, shape_point};
+use crate::backend::PathJob;
+use crate::geometry::{Hit, Intersector, Ray, SPHERE, SurfacePoint, hit_point_with, shape_normal, shape_point};
+use crate::illumination::Elements;
 use crate::light::{self, emit};
 use crate::math::{self, Vec3};
 use crate::sampling::sobol::BlockSampler;
@@ -25,16 +27,18 @@ pub fn from_light(light: &LightRecord, point: &SurfacePoint, n: Vec3) -> Option<
     (irradiance != Vec3::ZERO).then(|| (irradiance, light::shadow_ray(&s, point, side)))
 }
 
-/// A point uniform over a primitive, with its unit normal; `None` for what has no area.
+/// A point of a primitive from two numbers in [0, 1), for a triangle of cell `cell` of its divisions: as a hit, with its unit normal. `None` for what has no area.
 #[inline]
-fn point_on(scene: &CompiledScene, element: u32, u: [f32; 2]) -> Option<(SurfacePoint, Vec3)> {
+fn point_on(scene: &CompiledScene, elements: &Elements, primitive: u32, cell: u32, u: [f32; 2]) -> Option<(Hit, SurfacePoint, Vec3)> {
     let primitives = scene.primitives();
-    if let Some(v) = primitives.vertices(element) {
-        let surface = scene.surfaces.get(element as usize)?;
-        let [_, b1, b2] = warp::sample_triangle(u);
-        return Some((hit_point_with(v, b1, b2, surface.sliver), Vec3::from_array(surface.normal)));
+    let at = |b1, b2| Hit { t: 0.0, primitive, b1, b2 };
+    if let Some(v) = primitives.vertices(primitive) {
+        let surface = scene.surfaces.get(primitive as usize)?;
+        let [_, l1, l2] = warp::sample_triangle(u);
+        let [b1, b2] = elements.in_cell(primitive, cell, [l1, l2]);
+        return Some((at(b1, b2), hit_point_with(v, b1, b2, surface.sliver), Vec3::from_array(surface.normal)));
     }
-    let shape = primitives.shape(element)?;
+    let shape = primitives.shape(primitive)?;
     let centre = Vec3::from_array(shape.center);
     let near = if shape.kind == SPHERE {
         centre + warp::sample_sphere(u) * shape.radius
@@ -44,31 +48,35 @@ fn point_on(scene: &CompiledScene, element: u32, u: [f32; 2]) -> Option<(Surface
         centre + (t * x + b * y) * shape.radius
     };
     let point = shape_point(shape, near);
-    Some((point, shape_normal(shape, point.position)?))
+    Some((at(0.0, 0.0), point, shape_normal(shape, point.position)?))
 }
 
-/// Mean direct irradiance \[W/m^2\] of all lights without size over a primitive, from one block of uniform points on it; and the shadow rays it took.
-pub fn element_block<I: Intersector + ?Sized>(
+/// Direct flux \[W\] of all lights without size that arrives at a primitive, from one block of uniform points on each of its divisions, handed out with the
+/// place and the side at which it arrives; and the shadow rays it took.
+pub fn primitive_block<I: Intersector + ?Sized>(
     scene: &CompiledScene,
     intersector: &I,
-    element: u32,
-    seed: u64,
+    elements: &Elements,
+    primitive: u32,
+    job: &PathJob,
     block: u32,
-    block_length: u32,
-) -> ([f64; 3], u64) {
-    let (mut sum, mut rays) = ([0.0_f64; 3], 0);
-    for i in 0..block_length {
-        let u = BlockSampler::new(seed, element, block, i).group2(0);
-        let Some((point, n)) = point_on(scene, element, u) else { continue };
-        for light in &scene.lights {
-            let Some((irradiance, ray)) = from_light(light, &point, n) else { continue };
-            rays += 1;
-            if !intersector.occluded(&ray) {
-                for (s, x) in sum.iter_mut().zip(irradiance.to_array()) {
-                    *s += f64::from(x);
+    mut arrive: impl FnMut(&Hit, bool, Vec3),
+) -> u64 {
+    let cells = elements.cells(primitive);
+    let area = scene.primitive_area(primitive) / (cells as f32 * job.block_length.max(1) as f32);
+    let mut rays = 0;
+    for cell in 0..cells {
+        for i in 0..job.block_length {
+            let u = BlockSampler::new(job.seed, primitive, block, i).group2(cell);
+            let Some((hit, point, n)) = point_on(scene, elements, primitive, cell, u) else { continue };
+            for light in &scene.lights {
+                let Some((irradiance, ray)) = from_light(light, &point, n) else { continue };
+                rays += 1;
+                if !intersector.occluded(&ray) {
+                    arrive(&hit, emit::toward(light, point.position).dot(n) >= 0.0, irradiance * area);
                 }
             }
         }
     }
-    (sum.map(|s| s / f64::from(block_length.max(1))), rays)
+    rays
 }

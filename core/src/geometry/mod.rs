@@ -12,6 +12,7 @@
 //! [`BruteForce`]. Ties go to the smallest `t`, then to the lowest primitive index.
 
 mod bvh2;
+mod hilbert;
 mod primitives;
 mod ray;
 mod shape;
@@ -19,6 +20,7 @@ mod surface;
 mod triangle;
 
 pub use bvh2::Bvh2;
+pub use hilbert::{HilbertGrid, hilbert_index};
 pub use primitives::{BruteForce, Hit, Intersector, NO_PRIMITIVE, PrimitiveId, Primitives};
 pub use ray::{Aabb, PreparedRay, Ray, slab_entry};
 pub use shape::{DISK, RoundShape, SPHERE, bounds, intersect_shape, shape_normal};

@@ -12,6 +12,7 @@
 pub mod counter;
 pub mod discrete;
 pub mod linear_triangle;
+pub mod numbers;
 pub mod sobol;
 pub mod warp;
 

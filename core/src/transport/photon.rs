@@ -5,55 +5,69 @@
 //! the mean is carried unchanged and dark surfaces end walks. Interpolated normals are not symmetric between light and sensor: photons take Veach's factor
 //! (1997, section 5.3.2), |wo n_s| |wi n_g| / (|wo n_g| |wi n_s|).
 //!
-//! Starts: [`LightPlan`] picks a light by flux, the classical way ([`crate::light::emit`]).
+//! A hit is taken in two steps, so that whoever drives the photons may order them in between: [`PhotonTracer::land`] tells the surface and what arrives
+//! there, [`PhotonTracer::scatter`] sends the photon on and tells the chance with which it should survive.
+//!
+//! Starts: [`LightPlan`] picks a light by flux, the classical way ([`crate::light::emit`]); [`super::first_shot`] starts on lit surfaces.
 
 use super::{Surface, surface_at};
-use crate::geometry::{Hit, PrimitiveId, Ray};
-use crate::light::emit::{self, Emission};
+use crate::geometry::{Hit, Ray};
+use crate::light::emit;
 use crate::math::{self, Vec3};
 use crate::sampling::discrete::{IntegerCdf, WeightError};
-use crate::sampling::sobol::BlockSampler;
-use crate::scene::CompiledScene;
+use crate::scene::{CompiledScene, NO_INDEX};
 use alloc::vec::Vec;
 
 /// Largest chance to survive a hit, so that walks end even in a closed room of albedo 1.
 const SURVIVAL_MAX: f32 = 0.95;
-/// Groups of sample dimensions: the start, the choice of the light, then one for each hit.
-pub(super) const START_GROUP: u32 = 0;
-pub(super) const PICK_GROUP: u32 = 1;
-const WALK_GROUP: u32 = 2;
+/// Groups of numbers: the start, the choice of where, then one for each hit.
+pub const START_GROUP: u32 = 0;
+/// The choice of a light, or of a piece and its light.
+pub const PICK_GROUP: u32 = 1;
+/// The first hit's scattering.
+pub const WALK_GROUP: u32 = 2;
 
-/// A photon between two hits.
+/// Where a photon's numbers come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sequence {
+    /// All photons of a replicate walk together; before each scattering they are put in order along a Hilbert curve and take the points of a fresh scrambled
+    /// Sobol' set in that order (array-RQMC: L'Ecuyer, Lecot and Tuffin, 2008), and survive by a systematic roulette.
+    #[default]
+    Sorted,
+    /// Each photon takes one point of a scrambled Sobol' set; photons walk one by one.
+    Sobol,
+    /// Independent random numbers.
+    Random,
+}
+
+/// A photon between two hits, or at one.
 #[derive(Clone, Copy, Debug)]
 pub struct Photon {
-    sampler: BlockSampler,
     /// Flux per channel \[W\], as if it were the only photon.
     pub flux: Vec3,
     /// Where it flies.
     pub ray: Ray,
     /// Hits so far.
     pub hits: u32,
+    /// The light from which it comes straight, where [`super::first_shot`] must weigh its first hit; else [`NO_INDEX`].
+    pub light: u32,
     /// Whether its first arrival is registered: not where direct light is known in closed form.
     pub registers_first: bool,
+    /// Whether it survives its first hit whatever the albedo, and is weighted by it instead.
+    pub survives_first: bool,
 }
 
 impl Photon {
     /// A photon on its first flight, whose first arrival counts.
     #[inline]
-    pub fn new(sampler: BlockSampler, ray: Ray, flux: Vec3) -> Self {
-        Self { sampler, flux, ray, hits: 0, registers_first: true }
+    pub fn new(ray: Ray, flux: Vec3) -> Self {
+        Self { flux, ray, hits: 0, light: NO_INDEX, registers_first: true, survives_first: false }
     }
 }
 
 /// Flux that arrives at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
-    /// Where.
-    pub primitive: PrimitiveId,
-    /// Barycentric of vertex 1.
-    pub b1: f32,
-    /// Barycentric of vertex 2.
-    pub b2: f32,
     /// At the front of the surface.
     pub from_front: bool,
     /// Flux per channel \[W\], as if the photon were the only one.
@@ -90,18 +104,23 @@ impl LightPlan {
         [0, 1, 2].map(|c| self.fluxes.iter().map(|f| f64::from(f[c])).sum())
     }
 
-    /// A photon's start: its flight, its flux divided by the chance of its light, and whether that light is without size.
+    /// Whether there is more than one light to choose from.
     #[inline]
-    pub fn start(&self, scene: &CompiledScene, sampler: &BlockSampler) -> (Emission, bool) {
-        let u = sampler.group4(START_GROUP);
-        let pick = if self.fluxes.len() > 1 { sampler.bits2(PICK_GROUP)[0] } else { 0 };
+    pub fn has_choice(&self) -> bool {
+        self.fluxes.len() > 1
+    }
+
+    /// A photon from the light that the word `pick` chooses, its flux divided by the chance of that light. The first arrival from a light without size does not
+    /// count unless `registers_direct`.
+    #[inline]
+    pub fn start(&self, scene: &CompiledScene, pick: u32, u: [f32; 4], registers_direct: bool) -> Photon {
         let pick = self.cdf.pick(pick);
-        let (mut emission, point_like) = match scene.lights.get(pick.index as usize) {
+        let (emission, point_like) = match scene.lights.get(pick.index as usize) {
             Some(light) => (emit::emit(light, self.sphere, u), emit::is_point_like(light)),
             None => (emit::emit_environment(Vec3::from_array(scene.environment), self.sphere, u), false),
         };
-        emission.flux /= pick.pmf;
-        (emission, point_like)
+        let photon = Photon::new(emission.ray, emission.flux / pick.pmf);
+        Photon { registers_first: registers_direct || !point_like, ..photon }
     }
 }
 
@@ -120,57 +139,43 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         Self { scene, max_hits }
     }
 
-    /// A photon from the lights. With `registers_direct` all first arrivals count, else only those that no closed form knows.
-    #[inline]
-    pub fn start_from_lights(
-        &self,
-        plan: &LightPlan,
-        sampler: BlockSampler,
-        registers_direct: bool,
-    ) -> Photon {
-        let (emission, point_like) = plan.start(self.scene, &sampler);
-        Photon {
-            sampler,
-            flux: emission.flux,
-            ray: emission.ray,
-            hits: 0,
-            registers_first: registers_direct || !point_like,
-        }
+    /// The scene.
+    #[inline(always)]
+    pub fn scene(&self) -> &'a CompiledScene {
+        self.scene
     }
 
-    /// The photon has reached a surface, or nothing: what arrives, and whether it flies on.
+    /// The surface at which a photon is, and what arrives there if that counts. `None` ends the walk.
     #[inline(always)]
-    pub fn advance(&self, photon: &mut Photon, hit: Option<Hit>) -> (Option<Arrival>, bool) {
-        // A photon that starts on a surface has arrived once already.
-        let Some(hit) = hit.filter(|_| photon.hits < self.max_hits) else { return (None, false) };
-        let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &photon.ray, &hit) else {
-            return (None, false);
-        };
+    pub fn land(&self, photon: &Photon, hit: &Hit) -> Option<(Surface, Option<Arrival>)> {
+        if photon.hits >= self.max_hits {
+            return None;
+        }
+        let surface = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &photon.ray, hit)?;
         let counts = photon.hits > 0 || photon.registers_first;
-        let arrival = counts.then_some(Arrival {
-            primitive: hit.primitive,
-            b1: hit.b1,
-            b2: hit.b2,
-            from_front: surface.from_front,
-            flux: photon.flux,
-        });
-        let group = WALK_GROUP.wrapping_add(photon.hits);
+        let arrival = counts.then_some(Arrival { from_front: surface.from_front, flux: photon.flux });
+        Some((surface, arrival))
+    }
+
+    /// Sends a photon on from a surface; the chance with which it should survive, by which its flux must then be divided. 0: it ends.
+    ///
+    /// The chance keeps the mean of the channels that are carried, so that no channel ever exceeds three times the start's mean. The mean of
+    /// the weight would not do: where one channel survives best, its share of the flux grows, and its variance without bound.
+    #[inline(always)]
+    pub fn scatter(&self, photon: &mut Photon, surface: &Surface, u: [f32; 2], lobe: f32) -> f32 {
         photon.hits += 1;
         if photon.hits >= self.max_hits {
-            return (arrival, false);
+            return 0.0;
         }
-        let [u, v, lobe, survive] = photon.sampler.group4(group);
-        let Some((wi, weight)) = self.leave(&surface, [u, v], lobe) else { return (arrival, false) };
-        // The chance keeps the mean of the channels that are carried, so that no channel ever exceeds three times the start's mean. The mean of
-        // the weight would not do: where one channel survives best, its share of the flux grows, and its variance without bound.
-        let (before, after) = (math::mean(photon.flux), photon.flux * weight);
-        let chance = (math::mean(after) / before.max(f32::MIN_POSITIVE)).min(SURVIVAL_MAX);
-        if survive >= chance {
-            return (arrival, false);
-        }
-        photon.flux = after / chance;
+        let Some((wi, weight)) = self.leave(surface, u, lobe) else { return 0.0 };
+        let (before, after) = (math::mean(photon.flux).abs(), photon.flux * weight);
+        photon.flux = after;
         photon.ray = Ray { origin: surface.leave(wi), direction: wi, t_max: f32::MAX };
-        (arrival, true)
+        let carried = math::mean(after).abs();
+        if photon.hits == 1 && photon.survives_first {
+            return if carried > 0.0 { 1.0 } else { 0.0 };
+        }
+        (carried / before.max(f32::MIN_POSITIVE)).min(SURVIVAL_MAX)
     }
 
     /// A direction in which flux leaves a surface, and what it is multiplied by.
@@ -189,24 +194,6 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let factor =
             if down > 0.0 { (surface.wo.dot(surface.shading) * after / down).clamp(0.0, 16.0) } else { 0.0 };
         Some((s.wi, s.weight * factor))
-    }
-
-    /// A photon that starts where light without size arrives: `flux` \[W\] is what arrives at a point of a triangle along `ray`, as if it were the only one.
-    /// It leaves by the lobes with what they let through; `None` where nothing does.
-    #[inline]
-    pub fn start_on_surface(
-        &self,
-        hit: &Hit,
-        ray: &Ray,
-        flux: Vec3,
-        sampler: BlockSampler,
-    ) -> Option<Photon> {
-        let surface = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, ray, hit)?;
-        let [u, v, lobe, _] = sampler.group4(WALK_GROUP);
-        let (wi, weight) = self.leave(&surface, [u, v], lobe)?;
-        let flux = flux * weight;
-        let ray = Ray { origin: surface.leave(wi), direction: wi, t_max: f32::MAX };
-        (flux != Vec3::ZERO).then_some(Photon { sampler, flux, ray, hits: 1, registers_first: true })
     }
 }
 

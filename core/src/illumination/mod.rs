@@ -4,12 +4,17 @@
 //! fixed point ([`FluxUnit`]): integers may be added in any order, by any threads. A replicate's irradiance then enters a
 //! [`Film`](crate::film::Film) as one block, which keeps the mean, the standard error and the right to be merged.
 //!
-//! Element j is primitive j: what arrives on either side, over its area of one side. An element without area receives nothing.
+//! Which elements there are, and what an arrival counts for, is [`Elements`].
+
+mod clusters;
+mod elements;
+mod lattice;
 
 use crate::film::{FilmSettings, power_of_two, scale_exponent};
 use crate::math::Vec3;
-use crate::scene::CompiledScene;
-use alloc::vec::Vec;
+
+pub use clusters::{Clustering, Clusters, NO_CLUSTER};
+pub use elements::{Basis, ElementMesh, ElementPlace, ElementSettings, Elements, Sides};
 
 /// Fractional bits: all of the scene's flux is 2^48 units, or up to twice as much.
 const FRACTION_BITS: i32 = 48;
@@ -56,22 +61,6 @@ impl FluxUnit {
     pub fn flux(self, sum: i64) -> f64 {
         sum as f64 / self.scale
     }
-}
-
-/// Area of each element \[m^2\], both sides counted once; 0 for what has none.
-pub fn element_areas(scene: &CompiledScene) -> Vec<f32> {
-    (0..scene.primitives().count() as u32).map(|id| scene.primitive_area(id)).collect()
-}
-
-/// Irradiance \[W/m^2\] of a replicate per element from its sums, three channels an element.
-pub fn irradiance(sums: &[[i64; 3]], areas: &[f32], unit: FluxUnit) -> Vec<[f64; 3]> {
-    sums.iter()
-        .zip(areas)
-        .map(|(sums, area)| {
-            let area = f64::from(*area);
-            sums.map(|s| if area > 0.0 { unit.flux(s) / area } else { 0.0 })
-        })
-        .collect()
 }
 
 /// Settings of an illumination map's film: one row of elements, one block a replicate.

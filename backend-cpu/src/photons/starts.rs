@@ -1,0 +1,118 @@
+//! Starts of photons: the density over lit surfaces, made in parallel, and a photon up to where it has landed.
+
+use super::Shared;
+use crate::tree::Tree;
+use etendue_core::direct::subdivide::Workspace;
+use etendue_core::geometry::{Hit, Intersector};
+use etendue_core::sampling::numbers::Numbers;
+use etendue_core::scene::{CompiledScene, NO_INDEX};
+use etendue_core::transport::first_shot::{
+    FirstShot, FirstShotError, LitPiece, Start, StartPlan, Subdivision, Weights,
+};
+use etendue_core::transport::photon::{LightPlan, PICK_GROUP, Photon, START_GROUP, Sequence};
+use rayon::prelude::*;
+
+/// Pairs of one task of the precomputation.
+const PAIRS: usize = 512;
+
+/// The density of starts on surfaces, and the shadow rays it took. The same for any number of threads.
+pub(crate) fn first_shot(
+    pool: &rayon::ThreadPool,
+    scene: &CompiledScene,
+    tree: &Tree,
+    subdivision: &Subdivision,
+    weights: Weights,
+) -> Result<(FirstShot, u64), FirstShotError> {
+    let plan = StartPlan::new(scene, *subdivision)?;
+    let tasks = plan.pairs().div_ceil(PAIRS);
+    let parts: Vec<(Vec<LitPiece>, u64)> = pool.install(|| {
+        (0..tasks)
+            .into_par_iter()
+            .map_init(Workspace::new, |workspace, task| {
+                let (mut pieces, mut rays) = (Vec::new(), 0);
+                for pair in task * PAIRS..plan.pairs().min((task + 1) * PAIRS) {
+                    rays += plan.pieces(tree, pair, workspace, |p| pieces.push(p));
+                }
+                (pieces, rays)
+            })
+            .collect()
+    });
+    let rays = parts.iter().map(|p| p.1).sum();
+    Ok((FirstShot::new(&plan, parts.into_iter().flat_map(|p| p.0).collect(), weights)?, rays))
+}
+
+/// Where photons start.
+#[derive(Clone, Copy)]
+pub(super) enum Source<'a> {
+    Lights { plan: &'a LightPlan, registers_direct: bool, survives_first: bool },
+    Surfaces(&'a FirstShot),
+}
+
+/// How the numbers of a replicate's photons are made.
+#[derive(Clone, Copy)]
+pub(super) struct Replicate {
+    pub(super) numbers: Numbers,
+    /// Whether photons walk along the distribution of starts, one in each of equal parts.
+    even: bool,
+    shift: u32,
+    bits: u32,
+}
+
+impl Replicate {
+    pub(super) fn new(shared: &Shared<'_>, replicate: u32) -> Self {
+        let random = Numbers::random(shared.job.seed, replicate);
+        let [shift, ..] = random.with_index(u32::MAX).bits4(PICK_GROUP);
+        let numbers = match shared.job.sequence {
+            Sequence::Random => random,
+            Sequence::Sobol | Sequence::Sorted => Numbers::sobol(shared.job.seed, replicate),
+        };
+        let even = shared.job.sequence != Sequence::Random;
+        Self { numbers, even, shift, bits: shared.job.photons.trailing_zeros() }
+    }
+
+    /// The word that chooses where photon `index` starts.
+    #[inline(always)]
+    fn pick(&self, index: u32, numbers: &Numbers) -> u32 {
+        if !self.even {
+            return numbers.bits4(PICK_GROUP)[0];
+        }
+        match self.bits {
+            0 => self.shift,
+            bits => index << (32 - bits) | self.shift >> bits,
+        }
+    }
+}
+
+/// Photon `index` of a replicate where it first meets a surface, and the rays that this took. `None` where it meets none.
+#[inline(always)]
+pub(super) fn first_landing(shared: &Shared<'_>, replicate: &Replicate, index: u32, rays: &mut u64) -> Option<(Photon, Hit)> {
+    let numbers = replicate.numbers.with_index(index);
+    let u = numbers.group4(START_GROUP);
+    let fly = |photon: Photon, rays: &mut u64| {
+        *rays += 1;
+        shared.tree.closest_hit(&photon.ray).map(|hit| (photon, hit))
+    };
+    match shared.source {
+        Source::Lights { plan, registers_direct, survives_first } => {
+            let pick = if plan.has_choice() { replicate.pick(index, &numbers) } else { 0 };
+            let photon = plan.start(shared.scene, pick, u, registers_direct);
+            fly(Photon { survives_first, ..photon }, rays)
+        }
+        Source::Surfaces(shot) => match shot.start(shared.scene, replicate.pick(index, &numbers), u)? {
+            Start::Flies(photon) => {
+                let (mut photon, hit) = fly(photon, rays)?;
+                if photon.light != NO_INDEX {
+                    shot.weigh(shared.scene, &mut photon, &hit);
+                }
+                Some((photon, hit))
+            }
+            Start::Lands { mut photon, hit, look } => {
+                if let Some(look) = look {
+                    *rays += 1;
+                    photon.flux *= look.factor(shared.tree.occluded(&look.ray));
+                }
+                (photon.flux != etendue_core::math::Vec3::ZERO).then_some((photon, hit))
+            }
+        },
+    }
+}

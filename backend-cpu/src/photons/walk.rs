@@ -1,0 +1,46 @@
+//! Photons that walk one by one.
+
+use super::Shared;
+use super::starts::{Replicate, first_landing};
+use super::sums::Part;
+use crate::simd::widest;
+use etendue_core::geometry::Intersector;
+use etendue_core::transport::photon::{PhotonTracer, WALK_GROUP};
+use std::ops::Range;
+
+widest! {
+    /// Photons of a range of a replicate; the rays that they took and the arrivals that count.
+    pub(super) fn walk[const L: bool, const T: bool, const S: bool](
+        tracer: &PhotonTracer<'_, L, T, S>,
+        shared: &Shared<'_>,
+        replicate: &Replicate,
+        photons: Range<u32>,
+        sums: &mut Part,
+    ) -> [u64; 2] {
+        let (mut rays, mut hits) = (0, 0);
+        for index in photons {
+            let Some((mut photon, mut hit)) = first_landing(shared, replicate, index, &mut rays) else { continue };
+            let numbers = replicate.numbers.with_index(index);
+            while let Some((surface, arrival)) = tracer.land(&photon, &hit) {
+                if let Some(a) = arrival {
+                    hits += 1;
+                    shared.elements.deposit(&hit, a.from_front, |element, factor| {
+                        sums.add(element, a.flux * factor, shared.unit);
+                    });
+                }
+                let [u, v, lobe, survive] = numbers.group4(WALK_GROUP.wrapping_add(photon.hits));
+                let chance = tracer.scatter(&mut photon, &surface, [u, v], lobe);
+                if survive >= chance {
+                    break;
+                }
+                photon.flux /= chance;
+                rays += 1;
+                match shared.tree.closest_hit(&photon.ray) {
+                    Some(next) => hit = next,
+                    None => break,
+                }
+            }
+        }
+        [rays, hits]
+    }
+}

@@ -1,0 +1,179 @@
+//! Photons of a replicate that walk together, put in order before each scattering.
+//!
+//! In order along a Hilbert curve photon r of n takes the point (r / n, u_r) with u_r the r-th point of a fresh scrambled Sobol' set: neighbours in space take
+//! directions that complement each other, at every bounce (array-RQMC). Roulette is systematic in the same order: the chances are added up, and a
+//! photon survives where the sum passes a whole number. Chances are 32-bit integers, so that sums of parts of the order are exact.
+
+use super::starts::{Replicate, first_landing};
+use super::sums::Part;
+use super::{Meter, Shared, TASK};
+use crate::simd::widest;
+use etendue_core::geometry::{Hit, HilbertGrid, Intersector};
+use etendue_core::sampling::numbers::Numbers;
+use etendue_core::transport::photon::{Photon, PhotonTracer, WALK_GROUP};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A photon that has landed.
+type Landed = (Photon, Hit);
+/// A photon that would leave, with its chance to in units of 2^-32.
+type Leaving = (Photon, u32);
+
+/// A part of the order, the first of rank `rank`.
+#[derive(Clone, Copy)]
+struct Ordered<'a> {
+    landed: &'a [Landed],
+    order: &'a [u64],
+    rank: usize,
+}
+
+/// One as a sum of chances.
+const ONE: u64 = 1 << 32;
+
+widest! {
+    /// The first landings of a range of photons, in order; and the rays that they took.
+    fn start(shared: &Shared<'_>, replicate: &Replicate, photons: Range<u32>) -> (Vec<Landed>, u64) {
+        let (mut landed, mut rays) = (Vec::with_capacity(photons.len()), 0);
+        for index in photons {
+            landed.extend(first_landing(shared, replicate, index, &mut rays));
+        }
+        (landed, rays)
+    }
+}
+
+widest! {
+    /// Registers and scatters photons.
+    fn scatter[const L: bool, const T: bool, const S: bool](
+        tracer: &PhotonTracer<'_, L, T, S>,
+        shared: &Shared<'_>,
+        part: Ordered<'_>,
+        numbers: &Numbers,
+        group: u32,
+        sums: &mut Part,
+    ) -> (Vec<Leaving>, u64) {
+        let Ordered { landed, order, rank } = part;
+        let (mut leaving, mut hits) = (Vec::with_capacity(order.len()), 0);
+        for (i, key) in order.iter().enumerate() {
+            let (mut photon, hit) = landed[*key as u32 as usize];
+            let Some((surface, arrival)) = tracer.land(&photon, &hit) else { continue };
+            if let Some(a) = arrival {
+                hits += 1;
+                shared.elements.deposit(&hit, a.from_front, |element, factor| {
+                    sums.add(element, a.flux * factor, shared.unit);
+                });
+            }
+            let [u, v, lobe, _] = numbers.with_index((rank + i) as u32).group4(group);
+            let chance = tracer.scatter(&mut photon, &surface, [u, v], lobe);
+            // 2^32 is one too many for the integer: a sure survivor is lost once in 2^32.
+            let chance = (f64::from(chance) * ONE as f64) as u32;
+            if chance > 0 {
+                leaving.push((photon, chance));
+            }
+        }
+        (leaving, hits)
+    }
+}
+
+widest! {
+    /// The survivors of photons before which the chances add up to `before`, where they land; and the rays that they took.
+    fn fly(shared: &Shared<'_>, leaving: &[Leaving], before: u64) -> (Vec<Landed>, u64) {
+        let (mut landed, mut rays, mut sum) = (Vec::with_capacity(leaving.len()), 0, before);
+        for (photon, chance) in leaving {
+            let next = sum + u64::from(*chance);
+            let survives = next >> 32 != sum >> 32;
+            sum = next;
+            if !survives {
+                continue;
+            }
+            let mut photon = *photon;
+            photon.flux *= (ONE as f64 / f64::from(*chance)) as f32;
+            rays += 1;
+            landed.extend(shared.tree.closest_hit(&photon.ray).map(|hit| (photon, hit)));
+        }
+        (landed, rays)
+    }
+}
+
+/// Photons in order along the curve: their numbers in the low words.
+fn order(grid: &HilbertGrid, landed: &[Landed]) -> Vec<u64> {
+    let mut keys: Vec<u64> = landed
+        .par_iter()
+        .enumerate()
+        .map(|(i, (photon, hit))| {
+            let p = photon.ray.origin + photon.ray.direction * hit.t;
+            u64::from(grid.index(p)) << 32 | i as u64
+        })
+        .collect();
+    keys.par_sort_unstable();
+    keys
+}
+
+/// Walks all photons of a replicate; nothing where the meter says stop.
+pub(super) fn walk<const L: bool, const T: bool, const S: bool>(
+    tracer: &PhotonTracer<'_, L, T, S>,
+    shared: &Shared<'_>,
+    replicate: &Replicate,
+    random: &Numbers,
+    meter: &Meter<'_>,
+) {
+    let photons = shared.job.photons;
+    let grid = HilbertGrid::new(&shared.scene.bounds);
+    let tasks: Vec<Range<u32>> =
+        (0..photons.div_ceil(TASK)).map(|t| t * TASK..photons.min((t + 1) * TASK)).collect();
+    let parts: Vec<_> = tasks
+        .into_par_iter()
+        .map(|range| {
+            if meter.stopped() {
+                return Vec::new();
+            }
+            let (landed, rays) = start(shared, replicate, range);
+            meter.count(rays, 0, 0);
+            landed
+        })
+        .collect();
+    let mut landed: Vec<Landed> = parts.concat();
+    let mut alive = photons as usize;
+    for bounce in 0.. {
+        // Whoever is gone counts as done.
+        meter.count(0, 0, (alive - landed.len()) as u64);
+        alive = landed.len();
+        if landed.is_empty() || meter.stopped() {
+            return;
+        }
+        let keys = order(&grid, &landed);
+        let group = WALK_GROUP.wrapping_add(bounce);
+        let parts: Vec<Vec<Leaving>> = keys
+            .par_chunks(TASK as usize)
+            .enumerate()
+            .map(|(chunk, keys)| {
+                let part = Ordered { landed: &landed, order: keys, rank: chunk * TASK as usize };
+                let (leaving, hits) =
+                    scatter(tracer, shared, part, &replicate.numbers, group, &mut shared.sums.mine());
+                meter.count(0, hits, 0);
+                leaving
+            })
+            .collect();
+        let [offset, ..] = random.with_index(u32::MAX - 1).bits4(bounce);
+        let mut sum = u64::from(offset);
+        let parts: Vec<(Vec<Leaving>, u64)> = parts
+            .into_iter()
+            .map(|part| {
+                let before = sum;
+                sum += part.iter().map(|p| u64::from(p.1)).sum::<u64>();
+                (part, before)
+            })
+            .collect();
+        let parts: Vec<Vec<Landed>> = parts
+            .into_par_iter()
+            .map(|(leaving, before)| {
+                if meter.stopped() {
+                    return Vec::new();
+                }
+                let (landed, rays) = fly(shared, &leaving, before);
+                meter.count(rays, 0, 0);
+                landed
+            })
+            .collect();
+        landed = parts.concat();
+    }
+}

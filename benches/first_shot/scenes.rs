@@ -1,0 +1,98 @@
+//! The scenes of the comparison: two with nine lamps, one of large triangles, one with bitmaps, one of dark surfaces.
+
+use etendue::core::scene::{CompiledScene, LightDesc, MaterialKind, SceneDesc, compile};
+use etendue::io::load_scene;
+use std::path::{Path, PathBuf};
+
+pub(crate) struct Case {
+    pub(crate) name: &'static str,
+    pub(crate) about: &'static str,
+    pub(crate) scene: CompiledScene,
+}
+
+fn point(position: [f32; 3], intensity: [f32; 3]) -> LightDesc {
+    LightDesc::Point { position, intensity }
+}
+
+fn spot(position: [f32; 3], direction: [f32; 3], intensity: [f32; 3], cone_deg: f32) -> LightDesc {
+    LightDesc::Spot { position, direction, intensity, cone_deg, falloff_deg: 0.7 * cone_deg }
+}
+
+/// Five lamps in the courtyard, four in the galleries.
+fn sponza_lamps() -> Vec<LightDesc> {
+    let (warm, cool) = ([60.0, 48.0, 34.0], [30.0, 38.0, 50.0]);
+    vec![
+        point([-10.0, 5.0, 0.3], warm),
+        point([-5.0, 7.0, -0.6], cool),
+        point([0.3, 4.0, 0.0], warm),
+        spot([5.0, 10.0, 0.5], [0.2, -1.0, 0.1], [300.0, 300.0, 280.0], 35.0),
+        point([10.0, 6.0, -0.4], cool),
+        point([-8.0, 2.2, 5.2], warm),
+        spot([6.0, 2.6, 5.4], [0.5, -0.4, 0.3], [120.0, 90.0, 60.0], 50.0),
+        point([-3.0, 7.6, -5.5], warm),
+        point([8.0, 7.4, 5.3], cool),
+    ]
+}
+
+fn folder(data: &Path) -> PathBuf {
+    data.join("sponza_dabrovic")
+}
+
+fn sponza(data: &Path, textures: bool) -> SceneDesc {
+    let mesh = folder(data).join("sponza.obj");
+    let file = std::env::temp_dir().join(format!("etendue-first-shot-{}.toml", std::process::id()));
+    std::fs::write(&file, format!("[[mesh]]\nfile = {mesh:?}\ntextures = {textures}\n")).expect("a scene file");
+    let loaded = load_scene(&file).unwrap_or_else(|e| panic!("{e}"));
+    std::fs::remove_file(&file).ok();
+    let mut desc = loaded.desc;
+    desc.lights = sponza_lamps();
+    desc
+}
+
+fn ours(file: &str) -> SceneDesc {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(file);
+    load_scene(&path).unwrap_or_else(|e| panic!("{e}")).desc
+}
+
+/// The colonnade at night with surfaces that reflect a fifth of what they did.
+fn dark() -> SceneDesc {
+    let mut desc = ours("colonnade/lamps.toml");
+    for material in &mut desc.materials {
+        if let MaterialKind::Diffuse { albedo } = &mut material.kind {
+            albedo.color = albedo.color.map(|x| 0.3 * x);
+        }
+    }
+    desc
+}
+
+/// The closed box, of 32 large triangles, with a lamp of no size.
+fn room() -> SceneDesc {
+    let mut desc = ours("cornell/closed.toml");
+    desc.shapes.clear();
+    desc.lights = vec![
+        point([2.78, 4.5, 2.795], [10.0, 10.0, 10.0]),
+        spot([1.0, 5.0, 1.0], [0.4, -1.0, 0.5], [40.0, 30.0, 20.0], 30.0),
+    ];
+    desc
+}
+
+/// The cases of a name, or all; `data` is where the shared scenes lie.
+pub(crate) fn cases(data: Option<&Path>, only: Option<&str>) -> Vec<Case> {
+    let mut all: Vec<(&'static str, &'static str, Box<dyn Fn() -> SceneDesc>)> = vec![
+        ("colonnade", "scenes/colonnade/lamps.toml: six points and three spots", Box::new(|| ours("colonnade/lamps.toml"))),
+        ("room", "scenes/cornell/closed.toml without its lamp and with a point and a spot: large triangles", Box::new(room)),
+        ("dark", "scenes/colonnade/lamps.toml, all albedos times 0.3", Box::new(dark)),
+    ];
+    if let Some(data) = data {
+        let (a, b) = (data.to_owned(), data.to_owned());
+        all.push(("sponza", "Dabrovic's Sponza without bitmaps: seven points and two spots", Box::new(move || sponza(&a, false))));
+        all.push(("textured", "Dabrovic's Sponza with its bitmaps and the same lamps", Box::new(move || sponza(&b, true))));
+    }
+    all.into_iter()
+        .filter(|c| only.is_none_or(|name| name == c.0))
+        .map(|(name, about, desc)| {
+            let scene = compile(&desc()).unwrap_or_else(|e| panic!("{name}: {e}")).0;
+            Case { name, about, scene }
+        })
+        .collect()
+}

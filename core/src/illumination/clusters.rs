@@ -1,0 +1,127 @@
+//! Clusters: elements that are near each other and face alike, taken together.
+
+use super::{ElementPlace, Elements, Sides};
+use crate::math::{self, Vec3};
+use crate::scene::CompiledScene;
+use alloc::vec::Vec;
+
+/// "No cluster": of elements without area.
+pub const NO_CLUSTER: u32 = u32::MAX;
+/// Steps by which the size of voxels is found for a number of clusters.
+const STEPS: usize = 40;
+
+/// A division of the elements of a map into clusters: those whose places lie in the same cubic voxel and whose normals are nearest to the same axis (and
+/// direction along it, where sides are apart).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clusters {
+    /// Cluster of each element, or [`NO_CLUSTER`].
+    pub of: Vec<u32>,
+    /// How many there are.
+    pub count: usize,
+    /// Edge of the voxels \[m\].
+    pub size: f32,
+}
+
+/// What clusters are made of: where elements are, for any number of divisions.
+#[derive(Clone, Debug)]
+pub struct Clustering {
+    places: Vec<ElementPlace>,
+    used: Vec<bool>,
+    low: Vec3,
+    extent: f32,
+    signed: bool,
+}
+
+impl Clustering {
+    /// Of all elements with an area.
+    pub fn new(scene: &CompiledScene, elements: &Elements) -> Self {
+        let places = elements.element_places(scene);
+        let used = (0..elements.count()).map(|i| elements.area(i) > 0.0).collect();
+        let extent = (scene.bounds.hi - scene.bounds.lo).max_element().max(f32::MIN_POSITIVE);
+        let signed = elements.settings().sides == Sides::Apart;
+        Self { places, used, low: scene.bounds.lo, extent, signed }
+    }
+
+    /// Leaves out the elements for which `keep` is false: those that nothing lights, say.
+    #[must_use]
+    pub fn retain(mut self, keep: impl Fn(usize) -> bool) -> Self {
+        for (i, used) in self.used.iter_mut().enumerate() {
+            *used &= keep(i);
+        }
+        self
+    }
+
+    /// Where elements are.
+    pub fn places(&self) -> &[ElementPlace] {
+        &self.places
+    }
+
+    fn key(&self, i: usize, size: f32) -> u64 {
+        let p = &self.places[i];
+        let cell = ((p.position - self.low) / size).to_array().map(|x| u64::from(x as u32).min((1 << 20) - 1));
+        let n = p.normal.to_array();
+        let axis = (0..3).fold(0, |best, k| if n[k].abs() > n[best].abs() { k } else { best });
+        let side = u64::from(self.signed && n[axis] < 0.0);
+        ((cell[0] << 40 | cell[1] << 20 | cell[2]) << 3) | (axis as u64) << 1 | side
+    }
+
+    /// The clusters of voxels of edge `size` \[m\], numbered in the order of their first elements.
+    pub fn by_size(&self, size: f32) -> Clusters {
+        let mut keyed: Vec<(u64, u32)> =
+            (0..self.places.len()).filter(|i| self.used[*i]).map(|i| (self.key(i, size), i as u32)).collect();
+        keyed.sort_unstable();
+        let mut of = alloc::vec![NO_CLUSTER; self.places.len()];
+        let mut count = 0;
+        for (i, (key, element)) in keyed.iter().enumerate() {
+            if i > 0 && keyed[i - 1].0 != *key {
+                count += 1;
+            }
+            of[*element as usize] = count;
+        }
+        let count = if keyed.is_empty() { 0 } else { count as usize + 1 };
+        Clusters { of, count, size }
+    }
+
+    /// About `count` clusters.
+    pub fn by_count(&self, count: usize) -> Clusters {
+        // The number falls with the size, though not evenly.
+        let (mut small, mut large) = (self.extent / 4096.0, 2.0 * self.extent);
+        let mut best = self.by_size(large);
+        for _ in 0..STEPS {
+            let size = math::sqrt(small * large);
+            let found = self.by_size(size);
+            if found.count > count {
+                small = size;
+            } else {
+                large = size;
+            }
+            if found.count.abs_diff(count) < best.count.abs_diff(count) {
+                best = found;
+            }
+            if best.count == count || large / small < 1.001 {
+                break;
+            }
+        }
+        best
+    }
+}
+
+impl Clusters {
+    /// Means over clusters of numbers per element, weighted; and the sum of the weights of each.
+    pub fn means(&self, weight: impl Fn(usize) -> f64, value: impl Fn(usize) -> [f64; 3]) -> Vec<([f64; 3], f64)> {
+        let mut sums = alloc::vec![([0.0_f64; 3], 0.0_f64); self.count];
+        for (i, cluster) in self.of.iter().enumerate().filter(|(_, c)| **c != NO_CLUSTER) {
+            let (w, v) = (weight(i), value(i));
+            let (sum, weights) = &mut sums[*cluster as usize];
+            *weights += w;
+            for (s, x) in sum.iter_mut().zip(v) {
+                *s += w * x;
+            }
+        }
+        for (sum, weights) in &mut sums {
+            let w = weights.max(f64::MIN_POSITIVE);
+            *sum = sum.map(|s| s / w);
+        }
+        sums
+    }
+}

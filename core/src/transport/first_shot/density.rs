@@ -1,0 +1,281 @@
+//! The density from which photons start, and what they carry.
+
+use super::pieces::{LitPiece, colour};
+use super::{FirstShotError, StartPlan, Weights};
+use crate::direct::irradiance::from_light;
+use crate::geometry::{Hit, Ray, hit_point_with};
+use crate::light::emit;
+use crate::math::{self, Vec3};
+use crate::sampling::discrete::IntegerCdf;
+use crate::sampling::linear_triangle;
+use crate::scene::{CompiledScene, LightRecord, NO_INDEX};
+use crate::transport::photon::Photon;
+use alloc::vec::Vec;
+
+/// How a photon begins.
+#[derive(Clone, Copy, Debug)]
+pub enum Start {
+    /// From a light: it is on its way.
+    Flies(Photon),
+    /// On a surface: it has arrived, straight from a light.
+    Lands {
+        /// The photon; its ray leads from the light's direction.
+        photon: Photon,
+        /// Where.
+        hit: Hit,
+        /// If there is one, [`Photon::flux`] must be multiplied by [`Look::factor`] of whether this ray is blocked.
+        look: Option<Look>,
+    },
+}
+
+/// A shadow ray of a start, traced for one start in so many.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// From the place to the light.
+    pub ray: Ray,
+    /// Chance with which it is traced.
+    chance: f32,
+}
+
+impl Look {
+    /// What the start's flux is multiplied by: 1 where the light is seen. With the chance q of being asked, blocked starts have
+    /// 1 - 1/q, which in the mean, with those that were not asked, is 0.
+    #[inline]
+    pub fn factor(&self, blocked: bool) -> f32 {
+        if blocked { 1.0 - 1.0 / self.chance } else { 1.0 }
+    }
+}
+
+/// Where the first place of the entry of a light is among the entries after the pieces.
+#[derive(Clone, Copy, Debug)]
+struct LightEntry {
+    light: u32,
+    /// Starts here are combined with those on the light's pieces.
+    shared: bool,
+}
+
+/// The density from which first-shot photons start.
+#[derive(Clone, Debug)]
+pub struct FirstShot {
+    pieces: Vec<LitPiece>,
+    entries: Vec<LightEntry>,
+    density: IntegerCdf,
+    /// Per light and triangle in order: where its pieces begin; one more at the end.
+    ranges: Vec<u32>,
+    ranks: Vec<u32>,
+    /// Per light: its place among those with pieces, and the chance per watt with which a start is from it and combined with its pieces.
+    slots: Vec<u32>,
+    per_watt: Vec<f32>,
+    exact: bool,
+    sphere: (Vec3, f32),
+    emitted: f64,
+    reflected: f64,
+}
+
+impl FirstShot {
+    /// The density over pieces, which must come in the order of the plan's pairs, and over the other lights.
+    ///
+    /// # Errors
+    /// [`FirstShotError`].
+    pub fn new(plan: &StartPlan<'_>, pieces: Vec<LitPiece>, weights: Weights) -> Result<Self, FirstShotError> {
+        let scene = plan.scene;
+        let sphere = scene.bounding_sphere();
+        let flux = |l: &LightRecord| math::mean(emit::flux(l, sphere.1));
+        let mut slots = alloc::vec![NO_INDEX; scene.lights.len()];
+        for (slot, light) in plan.lights.iter().enumerate() {
+            slots[*light as usize] = slot as u32;
+        }
+        if u32::try_from(pieces.len()).is_err() {
+            return Err(FirstShotError::Table);
+        }
+        let triangles = plan.order.len();
+        let mut ranges = alloc::vec![0_u32; plan.pairs() + 1];
+        for p in &pieces {
+            let pair = slots[p.light as usize] as usize * triangles + plan.ranks[p.triangle as usize] as usize;
+            ranges[pair + 1] += 1;
+        }
+        for i in 1..ranges.len() {
+            ranges[i] += ranges[i - 1];
+        }
+        let reflected: f64 = pieces.iter().map(|p| f64::from(p.importance)).sum();
+        let paired: f64 = plan.lights.iter().map(|l| f64::from(flux(&scene.lights[*l as usize]))).sum();
+        let mut importances: Vec<f64> = pieces.iter().map(|p| f64::from(p.importance)).collect();
+        let share = match weights {
+            Weights::Density => 0.0,
+            Weights::Exact { share } if share > 0.0 && share < 1.0 => f64::from(share),
+            Weights::Exact { .. } => return Err(FirstShotError::Share),
+        };
+        let mut entries = Vec::new();
+        let mut emitted = 0.0;
+        for (index, light) in scene.lights.iter().enumerate() {
+            let (point_like, watts) = (emit::is_point_like(light), f64::from(flux(light)));
+            if point_like {
+                emitted += watts;
+            }
+            let shared = slots[index] != NO_INDEX;
+            let weight = match (shared, reflected > 0.0) {
+                (false, _) => watts,
+                // Where no piece was found to be lit, all start at the lights.
+                (true, true) => share / (1.0 - share) * reflected * watts / paired,
+                (true, false) => share * watts,
+            };
+            if weight > 0.0 {
+                entries.push(LightEntry { light: index as u32, shared });
+                importances.push(weight);
+            }
+        }
+        let environment = Vec3::from_array(scene.environment);
+        if environment != Vec3::ZERO {
+            entries.push(LightEntry { light: scene.lights.len() as u32, shared: false });
+            importances.push(f64::from(math::mean(emit::environment_flux(environment, sphere.1))));
+        }
+        if importances.iter().any(|x| !x.is_finite()) {
+            return Err(FirstShotError::Table);
+        }
+        let density = IntegerCdf::try_new_f64(&importances).map_err(|_| FirstShotError::Dark)?;
+        let mut per_watt = alloc::vec![0.0; scene.lights.len()];
+        for (i, entry) in entries.iter().enumerate().filter(|(_, e)| e.shared) {
+            let pmf = density.pmf((pieces.len() + i) as u32);
+            per_watt[entry.light as usize] = pmf / flux(&scene.lights[entry.light as usize]);
+        }
+        let (ranks, exact) = (plan.ranks.clone(), share > 0.0);
+        Ok(Self { pieces, entries, density, ranges, ranks, slots, per_watt, exact, sphere, emitted, reflected })
+    }
+
+    /// Number of (piece, light) pairs.
+    pub fn pairs(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// The pieces, light after light.
+    pub fn pieces(&self) -> &[LitPiece] {
+        &self.pieces
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        self.pieces.len() * (size_of::<LitPiece>() + 4)
+            + 4 * (self.ranges.len() + self.ranks.len() + self.slots.len() + self.per_watt.len())
+    }
+
+    /// Flux that leaves the lit pieces \[W\], mean of the channels.
+    pub fn reflected(&self) -> f64 {
+        self.reflected
+    }
+
+    /// s: the share of the flux of lights without size, mean of the channels, that survives its first hit. 0 without such lights.
+    pub fn survival(&self) -> f64 {
+        if self.emitted > 0.0 { self.reflected / self.emitted } else { 0.0 }
+    }
+
+    /// A start: `pick` chooses the entry, `u` the place or the light's photon, `look` whether a shadow ray is asked for.
+    #[inline]
+    pub fn start(&self, scene: &CompiledScene, pick: u32, u: [f32; 4]) -> Option<Start> {
+        let pick = self.density.pick(pick);
+        let Some(piece) = self.pieces.get(pick.index as usize) else {
+            let entry = self.entries.get(pick.index as usize - self.pieces.len())?;
+            return Some(Start::Flies(self.fly(scene, entry, pick.pmf, u)));
+        };
+        let light = scene.lights.get(piece.light as usize)?;
+        let on_piece = linear_triangle::sample(piece.weights, [u[0], u[1]]);
+        let mut b = [0.0; 3];
+        for (share, corner) in on_piece.into_iter().zip(piece.corners) {
+            for (b, c) in b.iter_mut().zip(corner.to_f32()) {
+                *b += share * c;
+            }
+        }
+        let v = scene.primitives().vertices(piece.triangle)?;
+        let surface = scene.surfaces.get(piece.triangle as usize)?;
+        let point = hit_point_with(v, b[1], b[2], surface.sliver);
+        let ray = Ray { origin: point.position, direction: -emit::toward(light, point.position), t_max: f32::MAX };
+        let hit = Hit { t: 0.0, primitive: piece.triangle, b1: b[1], b2: b[2] };
+        let (flux, look) = if self.exact {
+            let (e, shadow) = from_light(light, &point, Vec3::from_array(surface.normal))?;
+            let density = pick.pmf * linear_triangle::pdf(piece.weights, on_piece) / piece.area;
+            let all = density + self.per_watt[piece.light as usize] * math::mean(e);
+            let look = (u[3] < piece.looks).then_some(Look { ray: shadow, chance: piece.looks });
+            (e / all, look)
+        } else {
+            // The density is linear, and so a little more than nothing beyond a spot's cone or in a shadow's edge: what starts there counts.
+            let mean = (piece.weights[0] + piece.weights[1] + piece.weights[2]) / 3.0;
+            (colour(light) * (mean * piece.area / pick.pmf), None)
+        };
+        let photon = Photon { registers_first: false, survives_first: true, ..Photon::new(ray, flux) };
+        Some(Start::Lands { photon, hit, look })
+    }
+
+    fn fly(&self, scene: &CompiledScene, entry: &LightEntry, pmf: f32, u: [f32; 4]) -> Photon {
+        let Some(light) = scene.lights.get(entry.light as usize) else {
+            let e = emit::emit_environment(Vec3::from_array(scene.environment), self.sphere, u);
+            return Photon::new(e.ray, e.flux / pmf);
+        };
+        let e = emit::emit(light, self.sphere, u);
+        let photon = Photon::new(e.ray, e.flux / pmf);
+        if entry.shared {
+            return Photon { light: entry.light, registers_first: false, survives_first: true, ..photon };
+        }
+        Photon { registers_first: !emit::is_point_like(light), ..photon }
+    }
+
+    /// Weighs a photon that has come straight from a light with pieces against a start where it has landed (the balance heuristic).
+    #[inline]
+    pub fn weigh(&self, scene: &CompiledScene, photon: &mut Photon, hit: &Hit) {
+        let index = core::mem::replace(&mut photon.light, NO_INDEX);
+        let (Some(light), Some(surface)) =
+            (scene.lights.get(index as usize), scene.surfaces.get(hit.primitive as usize))
+        else {
+            return;
+        };
+        let Some(v) = scene.primitives().vertices(hit.primitive) else { return };
+        let point = hit_point_with(v, hit.b1, hit.b2, surface.sliver);
+        let Some((e, _)) = from_light(light, &point, Vec3::from_array(surface.normal)) else { return };
+        let from_light = self.per_watt[index as usize] * math::mean(e);
+        let all = from_light + self.density_at(index, hit);
+        photon.flux *= if all > 0.0 { from_light / all } else { 1.0 };
+    }
+
+    /// Density per area \[1/m^2\] of starts on the pieces of one light at a point of a triangle.
+    pub fn density_at(&self, light: u32, hit: &Hit) -> f32 {
+        let (Some(slot), Some(rank)) = (self.slots.get(light as usize), self.ranks.get(hit.primitive as usize)) else {
+            return 0.0;
+        };
+        if *slot == NO_INDEX {
+            return 0.0;
+        }
+        let pair = *slot as usize * self.ranks.len() + *rank as usize;
+        let (Some(from), Some(to)) = (self.ranges.get(pair), self.ranges.get(pair + 1)) else { return 0.0 };
+        // Of two pieces that meet at the point either would do; of pieces with gaps of rounding between them, the nearest.
+        let mut best: Option<(f32, u32, [f32; 3])> = None;
+        for index in *from..*to {
+            let Some(bary) = within(&self.pieces[index as usize], [hit.b1, hit.b2]) else { continue };
+            let least = math::min(bary[0], math::min(bary[1], bary[2]));
+            if best.is_none_or(|b| least > b.0) {
+                best = Some((least, index, bary));
+            }
+            if least >= 0.0 {
+                break;
+            }
+        }
+        // Some parts of a triangle have no piece: those that are dark.
+        let Some((least, index, bary)) = best.filter(|b| b.0 >= -1e-4) else { return 0.0 };
+        let piece = &self.pieces[index as usize];
+        let inside = if least < 0.0 { bary.map(|x| x.max(0.0)) } else { bary };
+        self.density.pmf(index) * linear_triangle::pdf(piece.weights, inside) / piece.area
+    }
+}
+
+/// Barycentrics on a piece of a point of its triangle; `None` for a piece without area.
+#[inline]
+fn within(piece: &LitPiece, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
+    let [a, b, c] = piece.corners.map(|c| {
+        let [_, b1, b2] = c.to_f32();
+        [b1, b2]
+    });
+    let (u, v, p) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]], [x - a[0], y - a[1]]);
+    let all = u[0] * v[1] - u[1] * v[0];
+    if !(all > 0.0) {
+        return None;
+    }
+    let (l1, l2) = ((p[0] * v[1] - p[1] * v[0]) / all, (u[0] * p[1] - u[1] * p[0]) / all);
+    Some([1.0 - l1 - l2, l1, l2])
+}

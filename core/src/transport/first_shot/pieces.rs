@@ -1,0 +1,176 @@
+//! Cutting one triangle for one light.
+
+use super::{Care, StartPlan, Subdivision};
+use crate::direct::emission::{VertexAlbedo, emission_textured, importance};
+use crate::direct::irradiance::from_light;
+use crate::direct::subdivide::{Bary, End, Limits, Piece, Workspace};
+use crate::geometry::{Intersector, hit_point_with, triangle_area};
+use crate::light;
+use crate::math::{self, Vec3, u32_to_unit};
+use crate::sampling::counter::hash_combine;
+use crate::sampling::warp;
+use crate::scene::{CompiledScene, LightKind, LightRecord, MaterialRecord, material_flags};
+
+/// By how much samples at the edge of a triangle are drawn towards its centroid, as a share: in the corner of a room they would lie in the next wall.
+const PULL: f32 = 0.01;
+
+/// A piece of a triangle as one light lights it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LitPiece {
+    /// The triangle.
+    pub triangle: u32,
+    /// The light.
+    pub light: u32,
+    /// Corners on the triangle.
+    pub corners: [Bary; 3],
+    /// Mean irradiance of the channels at the corners \[W/m^2\].
+    pub weights: [f32; 3],
+    /// Area \[m^2\].
+    pub area: f32,
+    /// Flux that it sends on \[W\], mean of the channels, as far as the corners' samples tell: its weight in the density.
+    pub importance: f32,
+    /// Chance with which a start here looks whether the light is hidden, for exact weights: low where all samples saw it.
+    pub looks: f32,
+}
+
+/// What a material reflects at most, per channel, without its bitmap.
+pub(super) fn reflectance(material: &MaterialRecord) -> Vec3 {
+    let albedo = Vec3::from_array(material.albedo);
+    if material.flags & material_flags::MIRROR != 0 {
+        return albedo;
+    }
+    albedo + Vec3::from_array(material.specular)
+}
+
+/// A light's colour: its radiance, intensity or irradiance over their mean.
+pub(super) fn colour(light: &LightRecord) -> Vec3 {
+    let brightest = Vec3::from_array(light.radiance);
+    let mean = math::mean(brightest);
+    if mean > 0.0 { brightest / mean } else { Vec3::ZERO }
+}
+
+/// What a light could bring to a triangle at most, as far as a few unshadowed samples tell \[W/m^2\], mean of the channels; for spots as if they had no
+/// cone, unless the cone misses the triangle. `None`: nothing arrives.
+fn unshadowed(light: &LightRecord, v: [Vec3; 3], n: Vec3) -> Option<f32> {
+    let centroid = (v[0] + v[1] + v[2]) / 3.0;
+    let mean = math::mean(Vec3::from_array(light.radiance));
+    if light.kind == LightKind::Directional as u32 {
+        return Some(mean * Vec3::from_array(light.normal).dot(n).abs());
+    }
+    let at = Vec3::from_array(light.point);
+    if light.kind == LightKind::Spot as u32 && !cone_meets(light, v, centroid) {
+        return None;
+    }
+    let irradiance = |p: Vec3| {
+        let to = at - p;
+        let d2 = to.dot(to).max(f32::MIN_POSITIVE);
+        mean * to.dot(n).abs() / (d2 * math::sqrt(d2))
+    };
+    Some(v.into_iter().fold(irradiance(centroid), |m, p| m.max(irradiance(p))))
+}
+
+/// Whether the cone of a spot meets the sphere about a triangle.
+fn cone_meets(light: &LightRecord, v: [Vec3; 3], centroid: Vec3) -> bool {
+    let radius2 = v.iter().fold(0.0_f32, |m, p| m.max((*p - centroid).dot(*p - centroid)));
+    let to = centroid - Vec3::from_array(light.point);
+    let d2 = to.dot(to);
+    if d2 <= radius2 {
+        return true;
+    }
+    // cos(cone + sphere's half-angle), the sphere enlarged for rounding.
+    let sin2 = (radius2 * 1.001 / d2 + 1e-6).min(1.0);
+    let (sin_s, cos_s) = (math::sqrt(sin2), math::sqrt(1.0 - sin2));
+    let cos_c = light.params[0];
+    let sin_c = math::sqrt((1.0 - cos_c * cos_c).max(0.0));
+    let limit = cos_c * cos_s - sin_c * sin_s;
+    // Together more than half a turn: everything is within.
+    let whole = sin_c * cos_s + cos_c * sin_s <= 0.0;
+    whole || Vec3::from_array(light.edge1).dot(to) >= limit * math::sqrt(d2)
+}
+
+impl StartPlan<'_> {
+    /// Cuts one pair and hands out its lit pieces; the shadow rays it took. Nothing depends on other pairs.
+    pub fn pieces<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        pair: usize,
+        workspace: &mut Workspace<f32>,
+        mut emit: impl FnMut(LitPiece),
+    ) -> u64 {
+        let Some((light_index, triangle)) = self.pair(pair) else { return 0 };
+        let scene: &CompiledScene = self.scene;
+        let Some(v) = scene.primitives().vertices(triangle) else { return 0 };
+        let (light, material) = (&scene.lights[light_index as usize], scene.material_of(triangle));
+        let (area, ka) = (triangle_area(v), reflectance(material));
+        let surface = scene.surfaces[triangle as usize];
+        let n = Vec3::from_array(surface.normal);
+        if !(area > 0.0) || ka == Vec3::ZERO {
+            return 0;
+        }
+        if material.flags & material_flags::TWO_SIDED == 0 && light::emit::toward(light, v[0]).dot(n) <= 0.0 {
+            // What arrives behind is not sent on. (At a corner as good as anywhere: the light is on one side of the plane.)
+            return 0;
+        }
+        let colour = colour(light);
+        let mut rays = 0;
+        let mut sample = |b: [f32; 3]| {
+            let [_, b1, b2] = b.map(|x| x * (1.0 - PULL) + PULL / 3.0);
+            let point = hit_point_with(v, b1, b2, surface.sliver);
+            let Some((e, ray)) = from_light(light, &point, n) else { return 0.0 };
+            rays += 1;
+            if intersector.occluded(&ray) { 0.0 } else { math::mean(e) }
+        };
+        let mut keep = |corners: [Bary; 3], weights: [f32; 3], fraction: f32, sure: bool| {
+            let area = area * fraction;
+            let (texture, bound) = self
+                .bitmap_albedo(triangle, corners.map(Bary::to_f32))
+                .unwrap_or((VertexAlbedo::uniform(Vec3::ONE), Vec3::ONE));
+            let e = weights.map(|x| colour * x);
+            let sent = emission_textured(ka, area, e, &texture);
+            let most = emission_textured(ka, area, e, &VertexAlbedo::uniform(bound));
+            let importance = importance(sent, most);
+            if importance > 0.0 {
+                let looks = if !sure || weights.contains(&0.0) { 1.0 } else { SURE_LOOKS };
+                emit(LitPiece { triangle, light: light_index, corners, weights, area, importance, looks });
+            }
+        };
+        let mut keep_piece = |p: Piece<f32>| {
+            let sure = matches!(p.end, End::Linear | End::Settled);
+            keep(p.corners, p.irradiance, p.fraction, sure);
+        };
+        match &self.subdivision {
+            Subdivision::None => {
+                keep(Bary::CORNERS, Bary::CORNERS.map(|c| sample(c.to_f32())), 1.0, false);
+            }
+            Subdivision::Published(criterion, limits) => {
+                workspace.subdivide(v, criterion, limits, sample, keep_piece);
+            }
+            Subdivision::Robust(criterion, limits, care) => {
+                let Some(most) = unshadowed(light, v, n) else { return 0 };
+                let share = most * area * math::max_component(ka) / self.flux;
+                if share <= care.glance {
+                    let u = [0, 1].map(|k| u32_to_unit(hash_combine(hash_combine(light_index, triangle), k)));
+                    let e = sample(warp::sample_triangle(u));
+                    keep(Bary::CORNERS, [e; 3], 1.0, true);
+                    return rays;
+                }
+                let least_depth = limits.least_depth.max(u8::from(share > care.doubt));
+                let criterion = crate::direct::subdivide::Robust {
+                    share: math::max(criterion.share, care.error * self.flux / (area * math::max_component(ka))),
+                    ..*criterion
+                };
+                let limits = Limits { least_depth, ..*limits };
+                workspace.subdivide(v, &criterion, &limits, sample, &mut keep_piece);
+            }
+        }
+        rays
+    }
+}
+
+/// Chance to look from a piece of which all samples saw the light.
+const SURE_LOOKS: f32 = 0.25;
+
+impl Care {
+    /// Looks everywhere alike.
+    pub const EVEN: Self = Self { glance: 0.0, doubt: 0.0, error: 0.0 };
+}

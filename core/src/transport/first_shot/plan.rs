@@ -1,0 +1,111 @@
+//! Which lights have pieces, and in which order pieces come.
+
+use super::{FirstShotError, Subdivision};
+use crate::direct::emission::{Bitmap, Exact, PieceAlbedo, Published, VertexAlbedo};
+use crate::geometry::HilbertGrid;
+use crate::light::emit;
+use crate::math::{self, Vec3};
+use crate::scene::{CompiledScene, NO_INDEX};
+use alloc::vec::Vec;
+
+/// Most (triangle, light) pairs that are looked at; lights beyond are entries of their own. The index of pairs takes 4 bytes each, 64 MiB.
+const PAIRS_MAX: u64 = 1 << 24;
+/// Texels that the source's rule scans.
+const SCAN_TEXELS: f32 = 64.0;
+
+/// How albedos of pieces are found.
+enum Albedo<'a> {
+    Plain,
+    Published(Published<'a>),
+    Exact(Exact<'a>),
+}
+
+/// What is cut, and in which order: light after light, each over the triangles along a Hilbert curve, so that neighbouring starts are neighbours in space.
+pub struct StartPlan<'a> {
+    pub(super) scene: &'a CompiledScene,
+    pub(super) subdivision: Subdivision,
+    /// Lights that have pieces.
+    pub(super) lights: Vec<u32>,
+    /// Triangles in order, and the place of each in it.
+    pub(super) order: Vec<u32>,
+    pub(super) ranks: Vec<u32>,
+    /// Mean flux of all lights without size \[W\].
+    pub(super) flux: f32,
+    albedos: Vec<Albedo<'a>>,
+}
+
+impl<'a> StartPlan<'a> {
+    /// The plan of a scene.
+    ///
+    /// # Errors
+    /// [`FirstShotError::RoundShapes`].
+    pub fn new(scene: &'a CompiledScene, subdivision: Subdivision) -> Result<Self, FirstShotError> {
+        if !scene.shapes.is_empty() {
+            return Err(FirstShotError::RoundShapes { count: scene.shapes.len() });
+        }
+        let radius = scene.bounding_sphere().1;
+        let flux_of = |i: u32| math::mean(emit::flux(&scene.lights[i as usize], radius));
+        let mut lights: Vec<u32> =
+            (0..scene.lights.len() as u32).filter(|i| emit::is_point_like(&scene.lights[*i as usize])).collect();
+        let flux = lights.iter().map(|i| flux_of(*i)).sum();
+        let triangles = scene.triangles.len();
+        let most = (PAIRS_MAX / triangles.max(1) as u64) as usize;
+        if lights.len() > most {
+            // The brightest, and of equal ones the first.
+            lights.sort_by(|a, b| flux_of(*b).total_cmp(&flux_of(*a)).then(a.cmp(b)));
+            lights.truncate(most);
+            lights.sort_unstable();
+        }
+        let grid = HilbertGrid::new(&scene.bounds);
+        let mut keyed: Vec<(u32, u32)> = (0..triangles as u32)
+            .map(|t| {
+                let centroid = scene.primitives().vertices(t).map_or(Vec3::ZERO, |[a, b, c]| (a + b + c) / 3.0);
+                (grid.index(centroid), t)
+            })
+            .collect();
+        keyed.sort_unstable();
+        let order: Vec<u32> = keyed.into_iter().map(|k| k.1).collect();
+        let mut ranks = alloc::vec![0; triangles];
+        for (rank, t) in order.iter().enumerate() {
+            ranks[*t as usize] = rank as u32;
+        }
+        let albedos = scene
+            .textures
+            .iter()
+            .map(|t| match (Bitmap::try_new(t, &scene.texels, &scene.srgb_decode), subdivision) {
+                (Err(_), _) => Albedo::Plain,
+                (Ok(b), Subdivision::Published(..)) => Albedo::Published(Published::new(b, SCAN_TEXELS)),
+                (Ok(b), _) => Albedo::Exact(Exact::new(b)),
+            })
+            .collect();
+        Ok(Self { scene, subdivision, lights, order, ranks, flux, albedos })
+    }
+
+    /// Pairs of a light and a triangle that are to be looked at; see [`Self::pieces`].
+    pub fn pairs(&self) -> usize {
+        self.lights.len() * self.order.len()
+    }
+
+    /// The light and the triangle of a pair.
+    #[inline]
+    pub fn pair(&self, pair: usize) -> Option<(u32, u32)> {
+        let count = self.order.len().max(1);
+        Some((*self.lights.get(pair / count)?, *self.order.get(pair % count)?))
+    }
+
+    /// Albedo of a piece with these barycentrics on its triangle, and the largest that it has anywhere (that of its bitmap, 1 without one).
+    pub(super) fn bitmap_albedo(&self, triangle: u32, corners: [[f32; 3]; 3]) -> Option<(VertexAlbedo, Vec3)> {
+        let texture = self.scene.material_of(triangle).texture;
+        if texture == NO_INDEX {
+            return None;
+        }
+        let at = |i: u32| self.scene.texcoords.get(i as usize).copied().unwrap_or([0.0; 2]);
+        let [a, b, c] = self.scene.triangles.get(triangle as usize)?.map(at);
+        let uv = corners.map(|w| [0, 1].map(|k| w[0] * a[k] + w[1] * b[k] + w[2] * c[k]));
+        match self.albedos.get(texture as usize)? {
+            Albedo::Plain => None,
+            Albedo::Published(rule) => Some((rule.vertex_albedo(uv), Vec3::ONE)),
+            Albedo::Exact(rule) => Some((rule.vertex_albedo(uv), rule.brightest(uv))),
+        }
+    }
+}

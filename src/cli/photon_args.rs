@@ -1,0 +1,116 @@
+//! Options of photons, for every verb that traces them.
+
+use super::args::positive;
+use crate::driver::PhotonSettings;
+use clap::{Args, ValueEnum};
+use etendue_core::backend::PhotonStart;
+use etendue_core::illumination::{Basis, ElementSettings, Sides};
+use etendue_core::transport::first_shot::{Subdivision, Weights};
+use etendue_core::transport::photon::Sequence;
+
+/// Where photons start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum From {
+    /// On the lights, by flux
+    Lights,
+    /// On the surfaces that lights without size light, by what these send on
+    Surfaces,
+}
+
+/// How photons that start on surfaces are weighted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum WeightsName {
+    /// Without bias
+    Exact,
+    /// As published: alike within a piece; biased at edges of shadows
+    Density,
+}
+
+/// How lit triangles are cut into pieces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Subdivide {
+    /// With bounded angles, by seven samples, where it matters
+    Robust,
+    /// As published
+    Published,
+    /// Not at all
+    None,
+}
+
+/// What irradiance is between the numbers of the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum BasisName {
+    /// Constant on each face
+    Constant,
+    /// Linear between vertices
+    Linear,
+}
+
+/// Where the numbers of photons come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SequenceName {
+    /// Sobol' points handed out in order along a space-filling curve, anew at each bounce
+    Sorted,
+    /// One Sobol' point per photon
+    Sobol,
+    /// Independent random numbers
+    Random,
+}
+
+/// How photons are traced and summed.
+#[derive(Debug, Args)]
+pub(super) struct PhotonArgs {
+    /// Where photons start
+    #[arg(long, value_enum, default_value_t = From::Lights)]
+    from: From,
+    /// How photons from surfaces are weighted
+    #[arg(long, value_enum, default_value_t = WeightsName::Exact)]
+    weights: WeightsName,
+    /// How lit triangles are cut into pieces, for photons from surfaces
+    #[arg(long, value_enum, default_value_t = Subdivide::Robust)]
+    subdivide: Subdivide,
+    /// Irradiance of the map between its numbers
+    #[arg(long, value_enum, default_value_t = BasisName::Constant)]
+    basis: BasisName,
+    /// Where the numbers of photons come from
+    #[arg(long, value_enum, default_value_t = SequenceName::Sorted)]
+    sequence: SequenceName,
+    /// Longest edge of the map's faces: larger triangles are divided [default: the scene's own triangles]
+    #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
+    element_size: Option<f64>,
+}
+
+impl PhotonArgs {
+    pub(super) fn settings(&self, sides: Sides) -> PhotonSettings {
+        let start = match self.from {
+            From::Lights => PhotonStart::LIGHTS,
+            From::Surfaces => PhotonStart::Surfaces {
+                subdivision: match self.subdivide {
+                    Subdivide::None => Subdivision::None,
+                    Subdivide::Published => Subdivision::published(),
+                    Subdivide::Robust => Subdivision::robust(),
+                },
+                weights: match self.weights {
+                    WeightsName::Exact => Weights::EXACT,
+                    WeightsName::Density => Weights::Density,
+                },
+            },
+        };
+        let sequence = match self.sequence {
+            SequenceName::Sorted => Sequence::Sorted,
+            SequenceName::Sobol => Sequence::Sobol,
+            SequenceName::Random => Sequence::Random,
+        };
+        let basis = match self.basis {
+            BasisName::Constant => Basis::Constant,
+            BasisName::Linear => Basis::Linear,
+        };
+        let largest = self.element_size.map_or(f32::INFINITY, |x| x as f32);
+        PhotonSettings { start, sequence, elements: ElementSettings { basis, sides, largest } }
+    }
+
+    /// Where photons start, as the user says it.
+    pub(super) fn from_name(&self) -> Option<String> {
+        self.from.to_possible_value().map(|v| v.get_name().to_owned())
+    }
+}
