@@ -4,10 +4,10 @@
 //! indices only, and films add integers.
 
 pub mod bc1;
-mod photons;
 mod linear;
 pub mod linear_triangle;
 pub mod log_offset;
+mod photons;
 mod schedule;
 mod session;
 mod simd;

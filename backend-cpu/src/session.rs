@@ -9,9 +9,9 @@ use etendue_core::backend::{
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::SurfacePoint;
+use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::math::Vec3;
 use etendue_core::scene::CompiledScene;
-use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::transport::first_shot::{FirstShot, FirstShotError, Subdivision, Weights};
 use etendue_core::transport::path::PathTracer;
 use etendue_core::transport::{TransportCode, resolve_probe};
@@ -81,14 +81,19 @@ impl CpuSession {
     ///
     /// # Errors
     /// [`FirstShotError`].
-    pub fn first_shot(&self, subdivision: &Subdivision, weights: Weights) -> Result<Arc<FirstShot>, FirstShotError> {
+    pub fn first_shot(
+        &self,
+        subdivision: &Subdivision,
+        weights: Weights,
+    ) -> Result<Arc<FirstShot>, FirstShotError> {
         self.shot.get(&(*subdivision, weights), || {
             Ok(photons::first_shot(&self.pool, &self.scene, &self.tree, subdivision, weights)?.0)
         })
     }
 
     fn elements(&self, settings: &ElementSettings) -> Arc<Elements> {
-        let Ok(elements) = self.elements.get(settings, || Ok::<_, Infallible>(Elements::new(&self.scene, *settings)));
+        let Ok(elements) =
+            self.elements.get(settings, || Ok::<_, Infallible>(Elements::new(&self.scene, *settings)));
         elements
     }
 

@@ -104,13 +104,21 @@ fn main() {
             sequence: Sequence::Random,
             elements: settings,
         };
-        let reference = run(&session, &elements, &PhotonJob { seed: 77, start: lights(true), sequence: Sequence::Sorted, ..job.clone() });
+        let reference = run(
+            &session,
+            &elements,
+            &PhotonJob { seed: 77, start: lights(true), sequence: Sequence::Sorted, ..job.clone() },
+        );
         let lit = |i: usize| reference.maps.iter().any(|m| m[i] != [0.0; 3]);
         let clustering = Clustering::new(&case.scene, &elements).retain(lit);
         let clusters = [None, Some(clustering.by_count(2000)), Some(clustering.by_count(200))];
         println!("clusters {:?}", clusters.iter().flatten().map(|c| c.count).collect::<Vec<_>>());
         let mut starts = vec![("lights", lights(false)), ("lights, weighted", lights(true))];
-        for (s, subdivision) in [("none", Subdivision::None), ("published", Subdivision::published()), ("robust", Subdivision::robust())] {
+        for (s, subdivision) in [
+            ("none", Subdivision::None),
+            ("published", Subdivision::published()),
+            ("robust", Subdivision::robust()),
+        ] {
             for (w, weights) in [("density", Weights::Density), ("exact", Weights::EXACT)] {
                 if s != "robust" && std::env::var_os("FULL").is_none() {
                     continue;
@@ -119,9 +127,15 @@ fn main() {
                 let shot = session.first_shot(&subdivision, weights).expect("a density");
                 println!(
                     "  {s} {w}: precompute {:.3} s, {} pairs, {:.1} MB, s {:.4}",
-                    start.elapsed().as_secs_f64(), shot.pairs(), shot.bytes() as f64 * 1e-6, shot.survival()
+                    start.elapsed().as_secs_f64(),
+                    shot.pairs(),
+                    shot.bytes() as f64 * 1e-6,
+                    shot.survival()
                 );
-                starts.push((Box::leak(format!("{s} {w}").into_boxed_str()), PhotonStart::Surfaces { subdivision, weights }));
+                starts.push((
+                    Box::leak(format!("{s} {w}").into_boxed_str()),
+                    PhotonStart::Surfaces { subdivision, weights },
+                ));
             }
         }
         let mut base: Option<([f64; 3], f64)> = None;
@@ -133,18 +147,30 @@ fn main() {
                 let r = run(&session, &elements, &PhotonJob { start, sequence, ..job.clone() });
                 let errors = [0, 1, 2].map(|k| error(&on(clusters[k].as_ref(), &elements, &r.maps)));
                 let bias = [1, 2].map(|k: usize| {
-                    bias(&on(clusters[k].as_ref(), &elements, &r.maps), &on(clusters[k].as_ref(), &elements, &reference.maps))
+                    bias(
+                        &on(clusters[k].as_ref(), &elements, &r.maps),
+                        &on(clusters[k].as_ref(), &elements, &reference.maps),
+                    )
                 });
                 let photons = f64::from(replicates) * f64::from(job.photons);
                 let (e0, t0) = *base.get_or_insert((errors, r.seconds));
                 let gain = [0, 1, 2].map(|k| (e0[k] / errors[k]).powi(2));
                 println!(
                     "  {name:18} {sequence:?}\t{:.3} us {:.2} rays {:.2} hits  err {:.2} {:.2} {:.2} %  ph {:.2} {:.2} {:.2}  t {:.2} {:.2} {:.2}  bias {:.2} {:.2} %",
-                    r.seconds / photons * 1e6, r.rays as f64 / photons, r.hits as f64 / photons,
-                    100.0 * errors[0], 100.0 * errors[1], 100.0 * errors[2],
-                    gain[0], gain[1], gain[2],
-                    gain[0] * t0 / r.seconds, gain[1] * t0 / r.seconds, gain[2] * t0 / r.seconds,
-                    100.0 * bias[0], 100.0 * bias[1],
+                    r.seconds / photons * 1e6,
+                    r.rays as f64 / photons,
+                    r.hits as f64 / photons,
+                    100.0 * errors[0],
+                    100.0 * errors[1],
+                    100.0 * errors[2],
+                    gain[0],
+                    gain[1],
+                    gain[2],
+                    gain[0] * t0 / r.seconds,
+                    gain[1] * t0 / r.seconds,
+                    gain[2] * t0 / r.seconds,
+                    100.0 * bias[0],
+                    100.0 * bias[1],
                 );
             }
         }

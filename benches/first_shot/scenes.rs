@@ -41,7 +41,8 @@ fn folder(data: &Path) -> PathBuf {
 fn sponza(data: &Path, textures: bool) -> SceneDesc {
     let mesh = folder(data).join("sponza.obj");
     let file = std::env::temp_dir().join(format!("etendue-first-shot-{}.toml", std::process::id()));
-    std::fs::write(&file, format!("[[mesh]]\nfile = {mesh:?}\ntextures = {textures}\n")).expect("a scene file");
+    std::fs::write(&file, format!("[[mesh]]\nfile = {mesh:?}\ntextures = {textures}\n"))
+        .expect("a scene file");
     let loaded = load_scene(&file).unwrap_or_else(|e| panic!("{e}"));
     std::fs::remove_file(&file).ok();
     let mut desc = loaded.desc;
@@ -79,14 +80,30 @@ fn room() -> SceneDesc {
 /// The cases of a name, or all; `data` is where the shared scenes lie.
 pub(crate) fn cases(data: Option<&Path>, only: Option<&str>) -> Vec<Case> {
     let mut all: Vec<(&'static str, &'static str, Box<dyn Fn() -> SceneDesc>)> = vec![
-        ("colonnade", "scenes/colonnade/lamps.toml: six points and three spots", Box::new(|| ours("colonnade/lamps.toml"))),
-        ("room", "scenes/cornell/closed.toml without its lamp and with a point and a spot: large triangles", Box::new(room)),
+        (
+            "colonnade",
+            "scenes/colonnade/lamps.toml: six points and three spots",
+            Box::new(|| ours("colonnade/lamps.toml")),
+        ),
+        (
+            "room",
+            "scenes/cornell/closed.toml without its lamp and with a point and a spot: large triangles",
+            Box::new(room),
+        ),
         ("dark", "scenes/colonnade/lamps.toml, all albedos times 0.3", Box::new(dark)),
     ];
     if let Some(data) = data {
         let (a, b) = (data.to_owned(), data.to_owned());
-        all.push(("sponza", "Dabrovic's Sponza without bitmaps: seven points and two spots", Box::new(move || sponza(&a, false))));
-        all.push(("textured", "Dabrovic's Sponza with its bitmaps and the same lamps", Box::new(move || sponza(&b, true))));
+        all.push((
+            "sponza",
+            "Dabrovic's Sponza without bitmaps: seven points and two spots",
+            Box::new(move || sponza(&a, false)),
+        ));
+        all.push((
+            "textured",
+            "Dabrovic's Sponza with its bitmaps and the same lamps",
+            Box::new(move || sponza(&b, true)),
+        ));
     }
     all.into_iter()
         .filter(|c| only.is_none_or(|name| name == c.0))

@@ -1,10 +1,10 @@
 //! `etendue illuminate`: an illumination map on the mesh.
 
 use super::args::{BackendArgs, TalkArgs, positive};
-use super::photon_args::PhotonArgs;
 use super::error::{CliError, INTERRUPTED};
 use super::job::{Stages, open, read_scene, report, warn_about};
 use super::output::check_folder;
+use super::photon_args::PhotonArgs;
 use super::progress::Bar;
 use crate::driver::{self, Budget, Outcome, Settings};
 use crate::io::{SaveError, write_ply};

@@ -85,7 +85,12 @@ impl Replicate {
 
 /// Photon `index` of a replicate where it first meets a surface, and the rays that this took. `None` where it meets none.
 #[inline(always)]
-pub(super) fn first_landing(shared: &Shared<'_>, replicate: &Replicate, index: u32, rays: &mut u64) -> Option<(Photon, Hit)> {
+pub(super) fn first_landing(
+    shared: &Shared<'_>,
+    replicate: &Replicate,
+    index: u32,
+    rays: &mut u64,
+) -> Option<(Photon, Hit)> {
     let numbers = replicate.numbers.with_index(index);
     let u = numbers.group4(START_GROUP);
     let fly = |photon: Photon, rays: &mut u64| {

@@ -8,10 +8,11 @@ use super::starts::{Replicate, first_landing};
 use super::sums::Part;
 use super::{Meter, Shared, TASK};
 use crate::simd::widest;
-use etendue_core::geometry::{Hit, HilbertGrid, Intersector};
+use etendue_core::geometry::{HilbertGrid, Hit, Intersector};
 use etendue_core::sampling::numbers::Numbers;
 use etendue_core::transport::photon::{Photon, PhotonTracer, WALK_GROUP};
 use rayon::prelude::*;
+use rdst::RadixSort;
 use std::ops::Range;
 
 /// A photon that has landed.
@@ -27,6 +28,8 @@ struct Ordered<'a> {
     rank: usize,
 }
 
+/// Photons that are fetched together.
+const GATHER: usize = 32;
 /// One as a sum of chances.
 const ONE: u64 = 1 << 32;
 
@@ -53,8 +56,14 @@ widest! {
     ) -> (Vec<Leaving>, u64) {
         let Ordered { landed, order, rank } = part;
         let (mut leaving, mut hits) = (Vec::with_capacity(order.len()), 0);
-        for (i, key) in order.iter().enumerate() {
-            let (mut photon, hit) = landed[*key as u32 as usize];
+        let mut near: Vec<Landed> = Vec::with_capacity(GATHER);
+        for (i, _) in order.iter().enumerate() {
+            if i % GATHER == 0 {
+                // They lie anywhere in memory: fetched in a row, they come while others are still on their way.
+                near.clear();
+                near.extend(order[i..].iter().take(GATHER).map(|key| landed[*key as u32 as usize]));
+            }
+            let (mut photon, hit) = near[i % GATHER];
             let Some((surface, arrival)) = tracer.land(&photon, &hit) else { continue };
             if let Some(a) = arrival {
                 hits += 1;
@@ -104,7 +113,7 @@ fn order(grid: &HilbertGrid, landed: &[Landed]) -> Vec<u64> {
             u64::from(grid.index(p)) << 32 | i as u64
         })
         .collect();
-    keys.par_sort_unstable();
+    keys.radix_sort_unstable();
     keys
 }
 

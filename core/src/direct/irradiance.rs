@@ -4,7 +4,9 @@
 //! photons count on both: what is asked for is the light that arrives at the place, from either side.
 
 use crate::backend::PathJob;
-use crate::geometry::{Hit, Intersector, Ray, SPHERE, SurfacePoint, hit_point_with, shape_normal, shape_point};
+use crate::geometry::{
+    Hit, Intersector, Ray, SPHERE, SurfacePoint, hit_point_with, shape_normal, shape_point,
+};
 use crate::illumination::Elements;
 use crate::light::{self, emit};
 use crate::math::{self, Vec3};
@@ -29,14 +31,24 @@ pub fn from_light(light: &LightRecord, point: &SurfacePoint, n: Vec3) -> Option<
 
 /// A point of a primitive from two numbers in [0, 1), for a triangle of cell `cell` of its divisions: as a hit, with its unit normal. `None` for what has no area.
 #[inline]
-fn point_on(scene: &CompiledScene, elements: &Elements, primitive: u32, cell: u32, u: [f32; 2]) -> Option<(Hit, SurfacePoint, Vec3)> {
+fn point_on(
+    scene: &CompiledScene,
+    elements: &Elements,
+    primitive: u32,
+    cell: u32,
+    u: [f32; 2],
+) -> Option<(Hit, SurfacePoint, Vec3)> {
     let primitives = scene.primitives();
     let at = |b1, b2| Hit { t: 0.0, primitive, b1, b2 };
     if let Some(v) = primitives.vertices(primitive) {
         let surface = scene.surfaces.get(primitive as usize)?;
         let [_, l1, l2] = warp::sample_triangle(u);
         let [b1, b2] = elements.in_cell(primitive, cell, [l1, l2]);
-        return Some((at(b1, b2), hit_point_with(v, b1, b2, surface.sliver), Vec3::from_array(surface.normal)));
+        return Some((
+            at(b1, b2),
+            hit_point_with(v, b1, b2, surface.sliver),
+            Vec3::from_array(surface.normal),
+        ));
     }
     let shape = primitives.shape(primitive)?;
     let centre = Vec3::from_array(shape.center);

@@ -131,7 +131,9 @@ mod tests {
     #[test]
     fn any_place_has_an_index() {
         let grid = HilbertGrid::new(&Aabb { lo: Vec3::splat(-1.0), hi: Vec3::splat(3.0) });
-        for p in [Vec3::splat(9.0), Vec3::splat(-9.0), Vec3::splat(f32::NAN), Vec3::new(0.0, 3.0, f32::INFINITY)] {
+        for p in
+            [Vec3::splat(9.0), Vec3::splat(-9.0), Vec3::splat(f32::NAN), Vec3::new(0.0, 3.0, f32::INFINITY)]
+        {
             assert!(grid.index(p) < 1 << 30);
         }
         assert_eq!(grid.index(Vec3::splat(-1.0)), 0);

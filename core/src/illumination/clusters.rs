@@ -58,7 +58,8 @@ impl Clustering {
 
     fn key(&self, i: usize, size: f32) -> u64 {
         let p = &self.places[i];
-        let cell = ((p.position - self.low) / size).to_array().map(|x| u64::from(x as u32).min((1 << 20) - 1));
+        let cell =
+            ((p.position - self.low) / size).to_array().map(|x| u64::from(x as u32).min((1 << 20) - 1));
         let n = p.normal.to_array();
         let axis = (0..3).fold(0, |best, k| if n[k].abs() > n[best].abs() { k } else { best });
         let side = u64::from(self.signed && n[axis] < 0.0);
@@ -108,7 +109,11 @@ impl Clustering {
 
 impl Clusters {
     /// Means over clusters of numbers per element, weighted; and the sum of the weights of each.
-    pub fn means(&self, weight: impl Fn(usize) -> f64, value: impl Fn(usize) -> [f64; 3]) -> Vec<([f64; 3], f64)> {
+    pub fn means(
+        &self,
+        weight: impl Fn(usize) -> f64,
+        value: impl Fn(usize) -> [f64; 3],
+    ) -> Vec<([f64; 3], f64)> {
         let mut sums = alloc::vec![([0.0_f64; 3], 0.0_f64); self.count];
         for (i, cluster) in self.of.iter().enumerate().filter(|(_, c)| **c != NO_CLUSTER) {
             let (w, v) = (weight(i), value(i));

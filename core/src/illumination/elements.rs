@@ -96,7 +96,8 @@ impl Elements {
         let areas: Vec<f32> =
             (0..scene.primitives().count() as u32).map(|id| scene.primitive_area(id)).collect();
         let triangles = scene.triangles.len();
-        let mut divisions: Vec<u32> = (0..triangles as u32).map(|t| divisions(scene, t, settings.largest)).collect();
+        let mut divisions: Vec<u32> =
+            (0..triangles as u32).map(|t| divisions(scene, t, settings.largest)).collect();
         let wanted: u64 = divisions.iter().map(|n| u64::from(n * n)).sum();
         if wanted + scene.shapes.len() as u64 > 1 << 31 {
             divisions.fill(1);
@@ -197,7 +198,8 @@ impl Elements {
     #[inline]
     pub fn deposit(&self, hit: &Hit, from_front: bool, mut add: impl FnMut(u32, f32)) {
         let Some(place) = self.places.get(hit.primitive as usize) else { return };
-        let side = if from_front || self.settings.sides == Sides::Together { 0 } else { self.areas.len() as u32 };
+        let side =
+            if from_front || self.settings.sides == Sides::Together { 0 } else { self.areas.len() as u32 };
         match (self.settings.basis, place.divisions) {
             (_, 0) | (Basis::Constant, 1) => add(side + place.first, 1.0),
             (Basis::Constant, n) => add(side + place.first + lattice::cell(n, hit.b1, hit.b2).index, 1.0),
@@ -216,7 +218,8 @@ impl Elements {
     #[inline]
     pub fn read(&self, values: &[[f32; 3]], hit: &Hit, from_front: bool) -> Vec3 {
         let Some(place) = self.places.get(hit.primitive as usize) else { return Vec3::ZERO };
-        let side = if from_front || self.settings.sides == Sides::Together { 0 } else { self.areas.len() as u32 };
+        let side =
+            if from_front || self.settings.sides == Sides::Together { 0 } else { self.areas.len() as u32 };
         let value = |i: u32| values.get((side + i) as usize).copied().map_or(Vec3::ZERO, Vec3::from_array);
         match (self.settings.basis, place.divisions) {
             (_, 0) | (Basis::Constant, 1) => value(place.first),
@@ -331,7 +334,8 @@ fn hosts_of_slivers(scene: &CompiledScene, areas: &[f32]) -> BTreeMap<u32, u32> 
     let normal = |t: u32| Vec3::from_array(scene.surfaces[t as usize].normal);
     let mut hosts = BTreeMap::new();
     for t in slivers {
-        let neighbours = scene.triangles[t as usize].into_iter().flat_map(|p| around[&key(p)].iter().copied());
+        let neighbours =
+            scene.triangles[t as usize].into_iter().flat_map(|p| around[&key(p)].iter().copied());
         let rank = |h: &u32| (normal(*h).dot(normal(t)).abs() > 0.5, areas[*h as usize]);
         let best = neighbours.max_by(|a, b| {
             let (a, b) = ((rank(a), core::cmp::Reverse(*a)), (rank(b), core::cmp::Reverse(*b)));
@@ -356,7 +360,8 @@ pub struct ElementPlace {
 impl Elements {
     /// Where each element is, in the order of elements.
     pub fn element_places(&self, scene: &CompiledScene) -> Vec<ElementPlace> {
-        let mut places = alloc::vec![ElementPlace { position: Vec3::ZERO, normal: Vec3::ZERO }; self.areas.len()];
+        let mut places =
+            alloc::vec![ElementPlace { position: Vec3::ZERO, normal: Vec3::ZERO }; self.areas.len()];
         let mut largest = alloc::vec![-1.0_f32; self.areas.len()];
         for (t, place) in self.places.iter().enumerate() {
             let Some(v) = scene.primitives().vertices(t as u32) else {

@@ -53,11 +53,7 @@ pub(super) fn cell(n: u32, b1: f32, b2: f32) -> Cell {
     let i = (x as u32).min(n - 1 - j);
     let (fx, fy) = ((x - i as f32).clamp(0.0, 1.0), (y - j as f32).clamp(0.0, 1.0));
     let upper = fx + fy > 1.0 && i + j + 1 < n;
-    let bary = if upper {
-        [fx + fy - 1.0, 1.0 - fx, 1.0 - fy]
-    } else {
-        [(1.0 - fx - fy).max(0.0), fx, fy]
-    };
+    let bary = if upper { [fx + fy - 1.0, 1.0 - fx, 1.0 - fy] } else { [(1.0 - fx - fy).max(0.0), fx, fy] };
     Cell { index: j * (2 * n - j) + 2 * i + u32::from(upper), corners: corners(n, i, j, upper), bary }
 }
 
@@ -107,7 +103,9 @@ mod tests {
     #[test]
     fn any_point_has_a_cell() {
         for n in [1, 2, 7, 255] {
-            for b in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.5], [-1.0, 2.0], [f32::NAN, 0.3], [9.0, 9.0]] {
+            for b in
+                [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.5], [-1.0, 2.0], [f32::NAN, 0.3], [9.0, 9.0]]
+            {
                 let c = cell(n, b[0], b[1]);
                 assert!(c.index < n * n && c.corners.iter().all(|p| *p < points(n)), "{n} {b:?} {c:?}");
                 assert!(b[0].is_nan() || c.bary.iter().all(|x| (0.0..=1.0).contains(x)), "{n} {b:?} {c:?}");

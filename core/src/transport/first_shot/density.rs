@@ -77,7 +77,11 @@ impl FirstShot {
     ///
     /// # Errors
     /// [`FirstShotError`].
-    pub fn new(plan: &StartPlan<'_>, pieces: Vec<LitPiece>, weights: Weights) -> Result<Self, FirstShotError> {
+    pub fn new(
+        plan: &StartPlan<'_>,
+        pieces: Vec<LitPiece>,
+        weights: Weights,
+    ) -> Result<Self, FirstShotError> {
         let scene = plan.scene;
         let sphere = scene.bounding_sphere();
         let flux = |l: &LightRecord| math::mean(emit::flux(l, sphere.1));
@@ -91,7 +95,8 @@ impl FirstShot {
         let triangles = plan.order.len();
         let mut ranges = alloc::vec![0_u32; plan.pairs() + 1];
         for p in &pieces {
-            let pair = slots[p.light as usize] as usize * triangles + plan.ranks[p.triangle as usize] as usize;
+            let pair =
+                slots[p.light as usize] as usize * triangles + plan.ranks[p.triangle as usize] as usize;
             ranges[pair + 1] += 1;
         }
         for i in 1..ranges.len() {
@@ -139,7 +144,19 @@ impl FirstShot {
             per_watt[entry.light as usize] = pmf / flux(&scene.lights[entry.light as usize]);
         }
         let (ranks, exact) = (plan.ranks.clone(), share > 0.0);
-        Ok(Self { pieces, entries, density, ranges, ranks, slots, per_watt, exact, sphere, emitted, reflected })
+        Ok(Self {
+            pieces,
+            entries,
+            density,
+            ranges,
+            ranks,
+            slots,
+            per_watt,
+            exact,
+            sphere,
+            emitted,
+            reflected,
+        })
     }
 
     /// Number of (piece, light) pairs.
@@ -187,7 +204,8 @@ impl FirstShot {
         let v = scene.primitives().vertices(piece.triangle)?;
         let surface = scene.surfaces.get(piece.triangle as usize)?;
         let point = hit_point_with(v, b[1], b[2], surface.sliver);
-        let ray = Ray { origin: point.position, direction: -emit::toward(light, point.position), t_max: f32::MAX };
+        let ray =
+            Ray { origin: point.position, direction: -emit::toward(light, point.position), t_max: f32::MAX };
         let hit = Hit { t: 0.0, primitive: piece.triangle, b1: b[1], b2: b[2] };
         let (flux, look) = if self.exact {
             let (e, shadow) = from_light(light, &point, Vec3::from_array(surface.normal))?;
@@ -236,7 +254,9 @@ impl FirstShot {
 
     /// Density per area \[1/m^2\] of starts on the pieces of one light at a point of a triangle.
     pub fn density_at(&self, light: u32, hit: &Hit) -> f32 {
-        let (Some(slot), Some(rank)) = (self.slots.get(light as usize), self.ranks.get(hit.primitive as usize)) else {
+        let (Some(slot), Some(rank)) =
+            (self.slots.get(light as usize), self.ranks.get(hit.primitive as usize))
+        else {
             return 0.0;
         };
         if *slot == NO_INDEX {

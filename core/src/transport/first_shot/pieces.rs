@@ -156,7 +156,10 @@ impl StartPlan<'_> {
                 }
                 let least_depth = limits.least_depth.max(u8::from(share > care.doubt));
                 let criterion = crate::direct::subdivide::Robust {
-                    share: math::max(criterion.share, care.error * self.flux / (area * math::max_component(ka))),
+                    share: math::max(
+                        criterion.share,
+                        care.error * self.flux / (area * math::max_component(ka)),
+                    ),
                     ..*criterion
                 };
                 let limits = Limits { least_depth, ..*limits };

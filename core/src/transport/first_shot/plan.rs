@@ -45,8 +45,9 @@ impl<'a> StartPlan<'a> {
         }
         let radius = scene.bounding_sphere().1;
         let flux_of = |i: u32| math::mean(emit::flux(&scene.lights[i as usize], radius));
-        let mut lights: Vec<u32> =
-            (0..scene.lights.len() as u32).filter(|i| emit::is_point_like(&scene.lights[*i as usize])).collect();
+        let mut lights: Vec<u32> = (0..scene.lights.len() as u32)
+            .filter(|i| emit::is_point_like(&scene.lights[*i as usize]))
+            .collect();
         let flux = lights.iter().map(|i| flux_of(*i)).sum();
         let triangles = scene.triangles.len();
         let most = (PAIRS_MAX / triangles.max(1) as u64) as usize;
@@ -59,7 +60,8 @@ impl<'a> StartPlan<'a> {
         let grid = HilbertGrid::new(&scene.bounds);
         let mut keyed: Vec<(u32, u32)> = (0..triangles as u32)
             .map(|t| {
-                let centroid = scene.primitives().vertices(t).map_or(Vec3::ZERO, |[a, b, c]| (a + b + c) / 3.0);
+                let centroid =
+                    scene.primitives().vertices(t).map_or(Vec3::ZERO, |[a, b, c]| (a + b + c) / 3.0);
                 (grid.index(centroid), t)
             })
             .collect();
@@ -94,7 +96,11 @@ impl<'a> StartPlan<'a> {
     }
 
     /// Albedo of a piece with these barycentrics on its triangle, and the largest that it has anywhere (that of its bitmap, 1 without one).
-    pub(super) fn bitmap_albedo(&self, triangle: u32, corners: [[f32; 3]; 3]) -> Option<(VertexAlbedo, Vec3)> {
+    pub(super) fn bitmap_albedo(
+        &self,
+        triangle: u32,
+        corners: [[f32; 3]; 3],
+    ) -> Option<(VertexAlbedo, Vec3)> {
         let texture = self.scene.material_of(triangle).texture;
         if texture == NO_INDEX {
             return None;
