@@ -12,6 +12,7 @@ use etendue_core::backend::{
 };
 use etendue_core::film::Film;
 use etendue_core::illumination::{ElementSettings, Elements};
+use etendue_core::transport::first_shot::{FirstShotError, Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -174,6 +175,41 @@ pub struct PhotonSettings {
     pub sequence: Sequence,
     /// What the map is divided into.
     pub elements: ElementSettings,
+}
+
+/// Photons that are expected of a budget that does not say.
+fn expected_photons(budget: Budget) -> u64 {
+    match budget {
+        Budget::Samples(n) => n,
+        // Half a million a second and core is common; the choice is no closer than that.
+        Budget::Seconds(seconds) => (seconds * 1e6) as u64,
+        Budget::Error(_) => 1 << 22,
+    }
+}
+
+/// Where photons should start for the least cost: on surfaces where what that saves, forecast for the budget, is more than what it takes to prepare.
+/// Depends on the scene and the budget, not on the machine.
+///
+/// # Errors
+/// When the scene needs more than surfaces, or nothing emits.
+pub fn choose_start(session: &dyn Session, budget: Budget) -> Result<PhotonStart, BackendError> {
+    let weights = Weights::EXACT;
+    let subdivision = Subdivision::robust(weights);
+    match session.forecast(&subdivision, expected_photons(budget)) {
+        Ok(forecast) if forecast.surfaces_pay() => {
+            tracing::debug!(?forecast, "photons start on surfaces");
+            Ok(PhotonStart::Surfaces { subdivision, weights })
+        }
+        Ok(forecast) => {
+            tracing::debug!(?forecast, "photons start at the lights");
+            Ok(PhotonStart::LIGHTS)
+        }
+        Err(BackendError::FirstShot(FirstShotError::RoundShapes { .. } | FirstShotError::Table)) => {
+            Ok(PhotonStart::LIGHTS)
+        }
+        Err(BackendError::FirstShot(FirstShotError::Dark)) => Err(BackendError::Dark),
+        Err(e) => Err(e),
+    }
 }
 
 /// Irradiance on elements of the scene's surfaces by photons; for the rest of light, start them so that the direct light of lights without size does not count. The budget counts photons;

@@ -12,7 +12,7 @@ use etendue_core::geometry::SurfacePoint;
 use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::math::Vec3;
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::first_shot::{FirstShot, FirstShotError, Subdivision, Weights};
+use etendue_core::transport::first_shot::{self, FirstShot, FirstShotError, Forecast, Subdivision, Weights};
 use etendue_core::transport::path::PathTracer;
 use etendue_core::transport::{TransportCode, resolve_probe};
 use etendue_core::with_path_tracer;
@@ -86,9 +86,19 @@ impl CpuSession {
         subdivision: &Subdivision,
         weights: Weights,
     ) -> Result<Arc<FirstShot>, FirstShotError> {
-        self.shot.get(&(*subdivision, weights), || {
-            Ok(photons::first_shot(&self.pool, &self.scene, &self.tree, subdivision, weights)?.0)
-        })
+        self.shot.get(&(*subdivision, weights), || Ok(self.make_first_shot(subdivision, weights)?.0))
+    }
+
+    /// The same, made anew; and the shadow rays that it took.
+    ///
+    /// # Errors
+    /// [`FirstShotError`].
+    pub fn make_first_shot(
+        &self,
+        subdivision: &Subdivision,
+        weights: Weights,
+    ) -> Result<(FirstShot, u64), FirstShotError> {
+        photons::first_shot(&self.pool, &self.scene, &self.tree, subdivision, weights)
     }
 
     fn elements(&self, settings: &ElementSettings) -> Arc<Elements> {
@@ -194,6 +204,13 @@ impl Session for CpuSession {
             };
             run_blocks(&self.pool, job, &chunks, mean, control, film)
         })
+    }
+
+    fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {
+        if let Some(missing) = self.scene.needs.beyond_surfaces() {
+            return Err(BackendError::SceneNeeds { method: "photon", missing });
+        }
+        Ok(first_shot::forecast(&self.scene, &self.tree, subdivision, photons)?)
     }
 
     fn direct_irradiance(

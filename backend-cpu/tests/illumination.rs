@@ -101,6 +101,9 @@ const JOB: PhotonJob = PhotonJob {
     elements: ELEMENTS,
 };
 
+/// Absorbed by chance at every hit, direct light not counted.
+const LIGHTS: PhotonStart = PhotonStart::Lights { registers_direct: false, survives_first: false };
+
 const ELEMENTS: ElementSettings =
     ElementSettings { basis: Basis::Constant, sides: Sides::Together, largest: f32::INFINITY };
 
@@ -253,9 +256,11 @@ fn pairs_reflect_what_lights_send() {
             variance[c] += k * k * var[c];
         }
     }
-    for (subdivision, tolerance) in
-        [(Subdivision::robust(), 0.005), (Subdivision::published(), 0.05), (Subdivision::None, 0.7)]
-    {
+    for (subdivision, tolerance) in [
+        (Subdivision::robust(Weights::Density), 0.005),
+        (Subdivision::published(), 0.05),
+        (Subdivision::None, 0.7),
+    ] {
         let shot = session.first_shot(&subdivision, Weights::Density).unwrap();
         let (found, truth) = (shot.reflected(), truth.iter().sum::<f64>() / 3.0);
         let allowed = tolerance * truth + 4.5 * variance.iter().sum::<f64>().sqrt();
@@ -267,11 +272,15 @@ fn pairs_reflect_what_lights_send() {
 #[test]
 fn photons_from_surfaces_and_from_lights_agree() {
     let session = session(&flat_furnished(), None);
-    let job = PhotonJob { photons: 1 << 16, start: PhotonStart::LIGHTS, ..JOB };
+    let job = PhotonJob { photons: 1 << 16, start: LIGHTS, ..JOB };
     let lights = map(&session, &job);
     let surfaces = map(
         &session,
-        &PhotonJob { seed: 9, start: on_surfaces(Subdivision::robust(), Weights::Density), ..job },
+        &PhotonJob {
+            seed: 9,
+            start: on_surfaces(Subdivision::robust(Weights::Density), Weights::Density),
+            ..job
+        },
     );
     for element in 0..12 {
         let (a, b) = (lights.mean(element), surfaces.mean(element));
@@ -289,8 +298,8 @@ fn photons_from_surfaces_and_from_lights_agree() {
     }
     // With one arrival a photon, that on the surface where it starts is the one, and it does not count; what is left is the lamp's.
     let once = |start| map(&session, &PhotonJob { max_hits: 1, replicates: 0..4, start, ..JOB });
-    let surfaces_once = once(on_surfaces(Subdivision::robust(), Weights::Density));
-    let lights_once = once(PhotonStart::LIGHTS);
+    let surfaces_once = once(on_surfaces(Subdivision::robust(Weights::Density), Weights::Density));
+    let lights_once = once(LIGHTS);
     let total = |film: &Film| (0..12).map(|i| film.mean(i)[0]).sum::<f64>();
     assert!((total(&surfaces_once) / total(&lights_once) - 1.0).abs() < 0.05);
     // The same number of photons says more when none is lost at the first hit.
@@ -321,7 +330,7 @@ fn bits_depend_on_neither_threads_nor_splits() {
     let desc = flat_furnished();
     let (one, three) = (session(&desc, Some(1)), session(&desc, Some(3)));
     for sequence in SEQUENCES {
-        for start in [PhotonStart::LIGHTS, on_surfaces(Subdivision::robust(), Weights::EXACT)] {
+        for start in [LIGHTS, on_surfaces(Subdivision::robust(Weights::EXACT), Weights::EXACT)] {
             let elements = ElementSettings { basis: Basis::Linear, sides: Sides::Apart, largest: 0.7 };
             let job = PhotonJob { start, sequence, elements, replicates: 0..2, ..JOB };
             assert!(map(&three, &job) == map(&one, &job), "{sequence:?} {start:?}");
@@ -357,10 +366,10 @@ fn variance_falls_at_least_as_one_over_n() {
     // Sobol sets that are reused between start and walk keep their noise at any number of photons.
     let session = session(&flat_furnished(), None);
     let starts = [
-        PhotonStart::LIGHTS,
+        LIGHTS,
         PhotonStart::Lights { registers_direct: true, survives_first: true },
-        on_surfaces(Subdivision::robust(), Weights::Density),
-        on_surfaces(Subdivision::robust(), Weights::EXACT),
+        on_surfaces(Subdivision::robust(Weights::Density), Weights::Density),
+        on_surfaces(Subdivision::robust(Weights::EXACT), Weights::EXACT),
     ];
     for (sequence, start) in SEQUENCES.into_iter().flat_map(|s| starts.map(|t| (s, t))) {
         let noise = |photons: u32| {

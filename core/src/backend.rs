@@ -10,7 +10,7 @@ use crate::illumination::{self, ElementSettings, Elements};
 use crate::kernel::Kernel;
 use crate::math::Vec3;
 use crate::scene::CompiledScene;
-use crate::transport::first_shot::{FirstShotError, Subdivision, Weights};
+use crate::transport::first_shot::{FirstShotError, Forecast, Subdivision, Weights};
 use crate::transport::photon::{LightPlan, Sequence};
 use alloc::boxed::Box;
 use alloc::string::String;
@@ -257,8 +257,8 @@ pub enum PhotonStart {
 }
 
 impl PhotonStart {
-    /// At the lights, without their direct light.
-    pub const LIGHTS: Self = Self::Lights { registers_direct: false, survives_first: false };
+    /// At the lights, without their direct light; first hits weighted by the albedo, which is a little faster for an error than gambling them.
+    pub const LIGHTS: Self = Self::Lights { registers_direct: false, survives_first: true };
 }
 
 /// An illumination map by photons.
@@ -337,6 +337,15 @@ pub trait Session: Send + Sync {
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError>;
+
+    /// What an illumination map as accurate as `photons` photons from the lights would make it costs from there and from surfaces; the same on every machine.
+    ///
+    /// # Errors
+    /// As [`crate::transport::first_shot::forecast`], when the scene needs more than surfaces, or the backend has no photons.
+    fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {
+        let _ = (subdivision, photons);
+        Err(BackendError::Unsupported { backend: "chosen", what: "illumination maps".into() })
+    }
 
     /// Direct irradiance of lights without size on elements of the scene's surfaces, into `film` (of [`direct_film_settings`]); samples are
     /// points on each division of a primitive, with a shadow ray to each light. On an error the film is unchanged.

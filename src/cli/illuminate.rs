@@ -4,9 +4,9 @@ use super::args::{BackendArgs, TalkArgs, positive};
 use super::error::{CliError, INTERRUPTED};
 use super::job::{Stages, open, read_scene, report, warn_about};
 use super::output::check_folder;
-use super::photon_args::PhotonArgs;
+use super::photon_args::{PhotonArgs, name_of};
 use super::progress::Bar;
-use crate::driver::{self, Budget, Outcome, Settings};
+use crate::driver::{self, Budget, Outcome, PhotonSettings, Settings};
 use crate::io::{SaveError, write_ply};
 use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
@@ -104,7 +104,8 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     }
     let settings = args.settings();
     let bar = Bar::new(&args.talk);
-    let photons = args.photon.settings(Sides::Together);
+    let photons = args.photon.settings(&*opened.session, settings.budget, Sides::Together)?;
+    stages.done("choose");
     let direct = driver::direct_irradiance(&*opened.session, settings.seed, &photons.elements, &bar)?;
     stages.done("direct");
     let indirect = driver::illumination(&*opened.session, &settings, &photons, &bar)?;
@@ -119,7 +120,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     }
     write_map(&args.output, scene, &photons.elements, &direct.film, &indirect.film)?;
     stages.done("write");
-    tell(args, &opened, &direct, &indirect, &settings, &stages);
+    tell(args, &opened, &photons, [&direct, &indirect], &settings, &stages);
     if cancelled {
         eprintln!("stopped early: {} holds {} photons", args.output.display(), indirect.film.samples());
         return Ok(ExitCode::from(INTERRUPTED));
@@ -130,8 +131,8 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
 fn tell(
     args: &Args,
     opened: &super::job::Opened,
-    direct: &Outcome,
-    indirect: &Outcome,
+    photons: &PhotonSettings,
+    [direct, indirect]: [&Outcome; 2],
     settings: &Settings,
     stages: &Stages,
 ) {
@@ -139,7 +140,7 @@ fn tell(
     if args.talk.json {
         let mut map = report(opened, indirect, settings.seed, stages);
         map.insert("method".into(), json!("photon"));
-        map.insert("from".into(), json!(args.photon.from_name()));
+        map.insert("from".into(), json!(name_of(&photons.start)));
         map.insert("photons".into(), json!(indirect.stats.paths));
         map.insert("hits".into(), json!(indirect.stats.hits));
         map.insert("rays".into(), json!(rays));
@@ -150,10 +151,11 @@ fn tell(
         let error =
             indirect.error.map_or_else(String::new, |e| format!(", rel_error {:.3} %", 100.0 * e.rel_error));
         println!(
-            "{}: {} faces, {} photons, {:.2} hits each, {:.1} M rays{error} ({})",
+            "{}: {} faces, {} photons from {}, {:.2} hits each, {:.1} M rays{error} ({})",
             args.output.display(),
             opened.session.scene().triangles.len(),
             indirect.stats.paths,
+            name_of(&photons.start),
             indirect.stats.hits as f64 / indirect.stats.paths.max(1) as f64,
             rays as f64 * 1e-6,
             stages.text()

@@ -1,9 +1,9 @@
 //! Options of photons, for every verb that traces them.
 
 use super::args::positive;
-use crate::driver::PhotonSettings;
+use crate::driver::{Budget, PhotonSettings, choose_start};
 use clap::{Args, ValueEnum};
-use etendue_core::backend::PhotonStart;
+use etendue_core::backend::{BackendError, PhotonStart, Session};
 use etendue_core::illumination::{Basis, ElementSettings, Sides};
 use etendue_core::transport::first_shot::{Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
@@ -11,6 +11,8 @@ use etendue_core::transport::photon::Sequence;
 /// Where photons start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum From {
+    /// Where it is forecast to cost least
+    Auto,
     /// On the lights, by flux
     Lights,
     /// On the surfaces that lights without size light, by what these send on
@@ -61,9 +63,9 @@ enum SequenceName {
 #[derive(Debug, Args)]
 pub(super) struct PhotonArgs {
     /// Where photons start
-    #[arg(long, value_enum, default_value_t = From::Lights)]
+    #[arg(long, value_enum, default_value_t = From::Auto)]
     from: From,
-    /// How photons from surfaces are weighted
+    /// How photons from surfaces are weighted; with `density` they start there unless told otherwise
     #[arg(long, value_enum, default_value_t = WeightsName::Exact)]
     weights: WeightsName,
     /// How lit triangles are cut into pieces, for photons from surfaces
@@ -81,20 +83,26 @@ pub(super) struct PhotonArgs {
 }
 
 impl PhotonArgs {
-    pub(super) fn settings(&self, sides: Sides) -> PhotonSettings {
+    /// The settings for a session and a budget.
+    pub(super) fn settings(
+        &self,
+        session: &dyn Session,
+        budget: Budget,
+        sides: Sides,
+    ) -> Result<PhotonSettings, BackendError> {
+        let weights = match self.weights {
+            WeightsName::Exact => Weights::EXACT,
+            WeightsName::Density => Weights::Density,
+        };
+        let subdivision = match self.subdivide {
+            Subdivide::None => Subdivision::None,
+            Subdivide::Published => Subdivision::published(),
+            Subdivide::Robust => Subdivision::robust(weights),
+        };
         let start = match self.from {
+            From::Auto if self.weights == WeightsName::Exact => choose_start(session, budget)?,
             From::Lights => PhotonStart::LIGHTS,
-            From::Surfaces => PhotonStart::Surfaces {
-                subdivision: match self.subdivide {
-                    Subdivide::None => Subdivision::None,
-                    Subdivide::Published => Subdivision::published(),
-                    Subdivide::Robust => Subdivision::robust(),
-                },
-                weights: match self.weights {
-                    WeightsName::Exact => Weights::EXACT,
-                    WeightsName::Density => Weights::Density,
-                },
-            },
+            From::Auto | From::Surfaces => PhotonStart::Surfaces { subdivision, weights },
         };
         let sequence = match self.sequence {
             SequenceName::Sorted => Sequence::Sorted,
@@ -106,11 +114,14 @@ impl PhotonArgs {
             BasisName::Linear => Basis::Linear,
         };
         let largest = self.element_size.map_or(f32::INFINITY, |x| x as f32);
-        PhotonSettings { start, sequence, elements: ElementSettings { basis, sides, largest } }
+        Ok(PhotonSettings { start, sequence, elements: ElementSettings { basis, sides, largest } })
     }
+}
 
-    /// Where photons start, as the user says it.
-    pub(super) fn from_name(&self) -> Option<String> {
-        self.from.to_possible_value().map(|v| v.get_name().to_owned())
+/// Where photons start, as users say it.
+pub(super) fn name_of(start: &PhotonStart) -> &'static str {
+    match start {
+        PhotonStart::Lights { .. } => "lights",
+        PhotonStart::Surfaces { .. } => "surfaces",
     }
 }

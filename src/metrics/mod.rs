@@ -25,6 +25,7 @@
 mod error;
 mod estimate;
 pub mod flip;
+pub mod replicates;
 mod report;
 pub mod statistics;
 

@@ -38,7 +38,11 @@ pub(crate) fn first_shot(
             .collect()
     });
     let rays = parts.iter().map(|p| p.1).sum();
-    Ok((FirstShot::new(&plan, parts.into_iter().flat_map(|p| p.0).collect(), weights)?, rays))
+    let mut pieces = Vec::with_capacity(parts.iter().map(|p| p.0.len()).sum());
+    for (mut part, _) in parts {
+        pieces.append(&mut part);
+    }
+    Ok((FirstShot::new(&plan, pieces, weights)?, rays))
 }
 
 /// Where photons start.

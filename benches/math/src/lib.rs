@@ -3,6 +3,7 @@ pub mod bc1;
 pub mod draw;
 pub mod emission;
 pub mod figure;
+pub mod first_shot;
 pub mod linear_triangle;
 pub mod log_offset;
 pub mod polynomial;

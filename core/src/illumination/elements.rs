@@ -358,6 +358,24 @@ pub struct ElementPlace {
 }
 
 impl Elements {
+    /// A point of an element of the constant basis from two numbers in [0, 1), and the unit normal of its side; `None` for the linear basis, round shapes and elements
+    /// beyond the last. Uniform but for slivers that count for the element.
+    pub fn point_on(&self, scene: &CompiledScene, element: usize, u: [f32; 2]) -> Option<(Vec3, Vec3)> {
+        let (side, index) = (element / self.areas.len().max(1), (element % self.areas.len().max(1)) as u32);
+        if self.settings.basis == Basis::Linear || element >= self.count() {
+            return None;
+        }
+        // Slivers have no divisions of their own.
+        let own =
+            |p: &Place| p.divisions > 0 && p.first <= index && index < p.first + p.divisions * p.divisions;
+        let primitive = self.places.iter().position(own)? as u32;
+        let [_, l1, l2] = crate::sampling::warp::sample_triangle(u);
+        let [b1, b2] = self.in_cell(primitive, index - self.places[primitive as usize].first, [l1, l2]);
+        let n = Vec3::from_array(scene.surfaces[primitive as usize].normal);
+        let v = scene.primitives().vertices(primitive)?;
+        Some((position(v, b1, b2), if side == 0 { n } else { -n }))
+    }
+
     /// Where each element is, in the order of elements.
     pub fn element_places(&self, scene: &CompiledScene) -> Vec<ElementPlace> {
         let mut places =

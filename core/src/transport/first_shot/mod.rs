@@ -15,10 +15,12 @@
 //! With random numbers the gain in photons is 1 / s, s the share of emitted flux that survives its first hit ([`FirstShot::survival`]).
 
 mod density;
+mod forecast;
 mod pieces;
 mod plan;
 
 pub use density::{FirstShot, Start};
+pub use forecast::{Forecast, forecast};
 pub use pieces::LitPiece;
 pub use plan::StartPlan;
 
@@ -62,10 +64,16 @@ impl Subdivision {
         )
     }
 
-    /// The mended rule to 5 %, at most 256 pieces of a triangle.
-    pub fn robust() -> Self {
-        let limits = Limits { budget: 256, ..Limits::default() };
-        Self::Robust(Robust { relative: 0.05, ..Robust::default() }, limits, Care::default())
+    /// The mended rule for these weights. Where the density is what photons carry: to 1 %, at most 4096 pieces of a triangle (to 5 % the light of a room of large
+    /// triangles lost 1 %: the chords of a convex field all lie on one side). Where they are weighted exactly pieces only save noise: to 10 %, for less
+    /// of the light, at most 256 pieces (a quarter of the time for 2 % more noise, measured on two scenes).
+    pub fn robust(weights: Weights) -> Self {
+        let (relative, budget, error) = match weights {
+            Weights::Density => (0.01, 4096, 5e-7),
+            Weights::Exact { .. } => (0.1, 256, 1e-6),
+        };
+        let limits = Limits { budget, ..Limits::default() };
+        Self::Robust(Robust { relative, ..Robust::default() }, limits, Care { error, ..Care::default() })
     }
 }
 

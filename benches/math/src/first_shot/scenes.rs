@@ -4,10 +4,10 @@ use etendue::core::scene::{CompiledScene, LightDesc, MaterialKind, SceneDesc, co
 use etendue::io::load_scene;
 use std::path::{Path, PathBuf};
 
-pub(crate) struct Case {
-    pub(crate) name: &'static str,
-    pub(crate) about: &'static str,
-    pub(crate) scene: CompiledScene,
+pub struct Case {
+    pub name: &'static str,
+    pub about: &'static str,
+    pub scene: CompiledScene,
 }
 
 fn point(position: [f32; 3], intensity: [f32; 3]) -> LightDesc {
@@ -51,7 +51,7 @@ fn sponza(data: &Path, textures: bool) -> SceneDesc {
 }
 
 fn ours(file: &str) -> SceneDesc {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(file);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(file);
     load_scene(&path).unwrap_or_else(|e| panic!("{e}")).desc
 }
 
@@ -78,7 +78,7 @@ fn room() -> SceneDesc {
 }
 
 /// The cases of a name, or all; `data` is where the shared scenes lie.
-pub(crate) fn cases(data: Option<&Path>, only: Option<&str>) -> Vec<Case> {
+pub fn cases(data: Option<&Path>, only: Option<&str>) -> Vec<Case> {
     let mut all: Vec<(&'static str, &'static str, Box<dyn Fn() -> SceneDesc>)> = vec![
         (
             "colonnade",

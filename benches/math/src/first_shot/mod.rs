@@ -1,0 +1,5 @@
+//! First shot against photons from the lights.
+
+pub mod measure;
+pub mod precompute;
+pub mod scenes;
