@@ -241,7 +241,7 @@ pub fn illumination(
     })
 }
 
-/// Direct irradiance of lights without size on elements, from 64 points on each division: eight nets of eight.
+/// Direct irradiance of lights without size on elements, from 16 points on each division: four nets of four.
 ///
 /// # Errors
 /// As [`Session::direct_irradiance`]; being stopped is no error.
@@ -251,10 +251,10 @@ pub fn direct_irradiance(
     elements: &ElementSettings,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, BackendError> {
-    let first = PathJob { seed, block_length: 8, blocks: 0..0, max_depth: 1 };
+    let first = PathJob { seed, block_length: 4, blocks: 0..0, max_depth: 1 };
     let divided = Elements::new(session.scene(), *elements);
     let film = Film::new(backend::direct_film_settings(session.scene(), &divided, &first));
-    drive(film, first, Budget::Samples(64), watcher, &|i| divided.weight(i), |job, control, film| {
+    drive(film, first, Budget::Samples(16), watcher, &|i| divided.weight(i), |job, control, film| {
         session.direct_irradiance(job, elements, control, film)
     })
 }
