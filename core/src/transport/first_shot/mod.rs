@@ -16,7 +16,9 @@
 
 mod density;
 mod pieces;
+pub mod place;
 mod plan;
+pub mod weight;
 
 pub use density::{FirstShot, Start};
 pub use pieces::LitPiece;
