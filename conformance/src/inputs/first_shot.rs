@@ -112,7 +112,8 @@ fn irradiance(i: usize, r: &mut Random) -> [f32; 3] {
 }
 
 /// What has a documented value and no sense: (irradiance, density, chance per watt).
-const SENSELESS: [[f32; 5]; 12] = [
+const SENSELESS: [[f32; 5]; 13] = [
+    [-1.0, 2.0, 3.0, 1.0, 1.0],
     [0.0, 0.0, 0.0, 0.0, 0.0],
     [1.0, 2.0, 3.0, 0.0, 0.0],
     [0.0, 0.0, 0.0, 0.0, 1.0],

@@ -120,7 +120,7 @@ pub(super) fn truth(kernel: Kernel, _constants: &[u32], r: &mut Words<'_>) -> An
             let [light, pieces] = densities(e, density, per_watt);
             let all = light + pieces;
             let sense = all > 0.0 && e.iter().all(|x| x.is_finite());
-            Answer::Is(e.map(|x| Expect::Ulp(if sense { (x / all).min(MAX) } else { 0.0 })).to_vec())
+            Answer::Is(e.map(|x| Expect::Ulp(if sense { (x / all).clamp(0.0, MAX) } else { 0.0 })).to_vec())
         }
         Kernel::LightShare => {
             let [light, pieces] = densities(r.vec3(), r.real(), r.real());

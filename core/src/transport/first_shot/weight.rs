@@ -16,11 +16,11 @@ pub fn light_density(e: Vec3, per_watt: f32) -> f32 {
 
 /// Flux \[W\] of a start on a piece: the irradiance `e` \[W/m^2\] over the density of the pieces and that of the light together.
 ///
-/// 0 where no density is positive and where the irradiance is not finite; each channel at most `f32::MAX`. A density that is NaN counts as 0.
+/// 0 where no density is positive and where the irradiance is not finite; each channel in \[0, `f32::MAX`\]. A density that is NaN counts as 0.
 #[inline]
 pub fn start_flux(e: Vec3, density: f32, per_watt: f32) -> Vec3 {
     let all = math::max(density, 0.0) + light_density(e, per_watt);
-    if all > 0.0 && e.is_finite() { (e / all).min(Vec3::MAX) } else { Vec3::ZERO }
+    if all > 0.0 && e.is_finite() { (e / all).max(Vec3::ZERO).min(Vec3::MAX) } else { Vec3::ZERO }
 }
 
 /// Share of its flux that a photon straight from a light keeps where it lands: its density over that of the pieces and its own together.
