@@ -36,7 +36,7 @@ pub fn within(corners: [Bary; 3], [x, y]: [f32; 2]) -> Option<[f32; 3]> {
     });
     let (u, v, p) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]], [x - a[0], y - a[1]]);
     let all = u[0] * v[1] - u[1] * v[0];
-    if !(all > 0.0) {
+    if all.is_nan() || all <= 0.0 {
         return None;
     }
     let (l1, l2) = ((p[0] * v[1] - p[1] * v[0]) / all, (u[0] * p[1] - u[1] * p[0]) / all);

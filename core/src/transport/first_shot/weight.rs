@@ -30,7 +30,8 @@ pub fn start_flux(e: Vec3, density: f32, per_watt: f32) -> Vec3 {
 pub fn light_share(e: Vec3, density: f32, per_watt: f32) -> f32 {
     let (from_light, density) = (light_density(e, per_watt), math::max(density, 0.0));
     let all = from_light + density;
-    if !(all > 0.0) {
+    // Neither is NaN.
+    if all <= 0.0 {
         return 1.0;
     }
     if all <= f32::MAX {
