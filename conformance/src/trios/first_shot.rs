@@ -177,7 +177,7 @@ fn places(
         .chunks(2)
         .zip(back.chunks(4))
         .zip(&density)
-        .filter(|((u, back), p)| !(p.is_finite() && (**p > 0.0 || !inner(u) || !inside(back))))
+        .filter(|((u, back), p)| !p.is_finite() || **p <= 0.0 && inner(u) && inside(back))
         .count();
     out.push((label("total"), zero == 0, format!("{zero} starts without a density, of {}", density.len())));
     let mut worst = 0.0_f64;

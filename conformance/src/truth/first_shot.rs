@@ -68,7 +68,7 @@ fn density(r: &mut Words<'_>) -> Answer {
         Where::At(local, scales) => (local, scales),
     };
     let edge = |i: usize| local[i] + SLACK;
-    if (0..3).any(|i| edge(i) < -8.0 * U * scales[i]) || !(area > 0.0) {
+    if (0..3).any(|i| edge(i) < -8.0 * U * scales[i]) || area.is_nan() || area <= 0.0 {
         return ulp(0.0);
     }
     if (0..3).any(|i| edge(i) <= 8.0 * U * scales[i]) {

@@ -68,7 +68,7 @@ pub(crate) const MUTANTS: &[Mutant] = &[
         }
     }),
     ("a density of NaN without area", Kernel::StartDensity, |_, item, out| {
-        if !(float(item[9]) > 0.0) {
+        if float(item[9]).is_nan() || float(item[9]) <= 0.0 {
             out[0] = f32::NAN.to_bits();
         }
     }),
