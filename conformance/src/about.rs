@@ -189,7 +189,7 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
         ),
         Kernel::StartDensity => (
             "pieces and points as above, up to 1e-3 beyond the edges; areas 1e-9 to 1e6 m^2, 0 and NaN",
-            "Kopylov, First Shot, section 4: the linear density over a piece, times its chance over its area",
+            "Kopylov, First Shot: the linear density over a piece, times its chance over its area",
         ),
         Kernel::StartFlux => (
             "irradiance 1e-12 to 1e12 W m^-2, densities of any ratio, and what has no sense",
@@ -205,7 +205,7 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
         ),
         Kernel::PieceFlux => (
             "irradiance 1e-12 to 1e12 W m^-2, areas 1e-6 to 1e6 m^2, chances from 2^-32",
-            "Kopylov, First Shot, section 4: all starts on a piece carry the same",
+            "Kopylov, First Shot: all starts on a piece carry the same",
         ),
         // emit
         Kernel::EmitLight => (
