@@ -40,7 +40,7 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
             "every index, dimensions 0 to 199",
             "Joe and Kuo 2008; scrambles: Laine and Karras 2011, Burley 2020",
         ),
-        K::CdfPick => ("every word; tables to 1000 entries", "inverse of an integer distribution function"),
+        K::CdfPick => ("every word; tables to 70 000 entries", "inverse of an integer distribution function"),
         K::CdfPmf => ("every index, beyond the table too", "count / 2^32"),
         K::SampleSphere => ("u in [0, 1)^2", "Archimedes: uniform height and azimuth"),
         K::PdfSphere => ("unit w", "1 / (4 pi)"),
@@ -177,6 +177,44 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
             "up to 8 patches and 64 bounces; sums of magnitudes below f32::MAX",
             "C. Neumann 1877; sum of powers by nesting, W. G. Horner 1819",
         ),
+        // first_shot
+        Kernel::EvenWord => ("every word; 0 to 39 bits", "one place in each of equal parts; this project"),
+        Kernel::StartPlace => (
+            "pieces from the whole triangle to a few steps of 2^-24; weights >= 0 with a positive sum, normal numbers; u in [0, 1)",
+            "linear_triangle::sample, then the corners by barycentrics",
+        ),
+        Kernel::StartWithin => (
+            "pieces as above, needles and pieces without area; points of the triangle; u of the magnitudes of Cramer's products over the area",
+            "ratios of areas (A. F. Moebius 1827)",
+        ),
+        Kernel::StartDensity => (
+            "pieces and points as above, up to 1e-3 beyond the edges; areas 1e-9 to 1e6 m^2, 0 and NaN",
+            "Kopylov, First Shot: the linear density over a piece, times its chance over its area",
+        ),
+        Kernel::StartFlux => (
+            "irradiance 1e-12 to 1e12 W m^-2, densities of any ratio, and what has no sense",
+            "Veach 1997, section 9.2.2: E over the sum of the densities",
+        ),
+        Kernel::LightShare => (
+            "irradiance 1e-12 to 1e12 W m^-2, densities of any ratio, and what has no sense",
+            "Veach 1997, section 9.2.2, the balance heuristic",
+        ),
+        Kernel::LookFactor => (
+            "chances 1e-6 to 1, and what is none",
+            "Russian roulette: Arvo and Kirk 1990; 1 - 1/q for q asked",
+        ),
+        Kernel::PieceFlux => (
+            "irradiance 1e-12 to 1e12 W m^-2, areas 1e-6 to 1e6 m^2, chances from 2^-32",
+            "Kopylov, First Shot: all starts on a piece carry the same",
+        ),
+        // emit
+        Kernel::EmitLight => (
+            "every kind of light; u in [0, 1)^4",
+            "`core::light::emit`: spots by inverting 2 x^3 - x^4, surfaces by the cosine, disks for directions",
+        ),
+        Kernel::EmitEnvironment => {
+            ("u in [0, 1)^4", "`core::light::emit`: a sphere of directions, a disk across each")
+        }
         // A kernel without an entry says nothing: the coverage test fails on it.
         _ => ("", ""),
     }

@@ -7,6 +7,8 @@ use etendue_core::kernel::Kernel;
 
 mod bc1;
 mod emission;
+mod emit;
+mod first_shot;
 mod lights;
 mod linear_triangle;
 mod log_offset;
@@ -318,6 +320,7 @@ pub fn inputs(kernel: Kernel, count: usize) -> Vec<Batch> {
         }
         K::CounterBits4 | K::SobolBits4 | K::SobolSet => integer_streams(kernel, count, r),
         K::CdfPick | K::CdfPmf => distributions(kernel, count, r),
+        K::EvenWord => first_shot::words(count, r),
         K::Triangle | K::Slab | K::RoundShape | K::OffsetOrigin => single(rays::items(kernel, count, r)),
         K::EvalDiffuse
         | K::PdfDiffuse
@@ -353,6 +356,8 @@ pub fn inputs(kernel: Kernel, count: usize) -> Vec<Batch> {
             "log_offset" => log_offset::inputs(kernel, count, r),
             "bc1" | "bc4" => bc1::inputs(kernel, count, r),
             "polynomial" => polynomial::inputs(kernel, count, r),
+            "first_shot" => first_shot::inputs(kernel, count, r),
+            "emit" => emit::inputs(kernel, count, r),
             _ => Vec::new(),
         },
     }
@@ -421,13 +426,14 @@ fn integer_streams(kernel: Kernel, count: usize, r: &mut Random) -> Vec<Batch> {
 }
 
 fn distributions(kernel: Kernel, count: usize, r: &mut Random) -> Vec<Batch> {
-    // One entry; two halves; entries without counts at the start and within; one count at either end; many.
+    // One entry; two halves; entries without counts at the start and within; one count at either end; many; more than 16 bits of them, as pieces are.
     let mut tables: Vec<Vec<u32>> = vec![
         vec![0],
         vec![0, 1 << 31],
         vec![0, 0, 7, 7, 7, 1 << 30],
         vec![0, 1, u32::MAX],
         (0..1000).map(|i| i * 4_294_967).collect(),
+        (0..70_000).map(|i| i / 3 * 3 * 61_000).collect(),
     ];
     let mut random: Vec<u32> = (0..77).map(|_| r.word()).collect();
     random.sort_unstable();
@@ -437,7 +443,7 @@ fn distributions(kernel: Kernel, count: usize, r: &mut Random) -> Vec<Batch> {
     for constants in tables {
         let mut items: Vec<u32> = vec![0, 1, u32::MAX, u32::MAX - 1, 1 << 31];
         if kernel == Kernel::CdfPick {
-            for c in constants.iter().take(200) {
+            for c in constants.iter().take(200).chain(constants.iter().rev().take(20)) {
                 items.extend([c.saturating_sub(1), *c, c.saturating_add(1)]);
             }
             items.extend((0..count / 6).map(|_| r.word()));

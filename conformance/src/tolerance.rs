@@ -69,7 +69,13 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
     const CONDITION: &str = "roundings, in units of what the input's own rounding amounts to";
     const PI_ROUNDED: &str = "pi rounded to f32, then one or two roundings";
     match kernel {
-        K::U32ToUnit | K::CounterBits4 | K::SobolBits4 | K::SobolSet | K::CdfPick | K::CdfPmf => exact(),
+        K::U32ToUnit
+        | K::CounterBits4
+        | K::SobolBits4
+        | K::SobolSet
+        | K::CdfPick
+        | K::CdfPmf
+        | K::EvenWord => exact(),
         K::Sqrt => float("ulp", 0.5, "correctly rounded"),
         K::Ln => polynomial("ln"),
         K::Log2 => polynomial("log2"),
@@ -164,6 +170,19 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
         K::PolynomialSeries => {
             float("u", 6.0, "each bounce as polynomial::apply, over the magnitudes of all bounces before it")
         }
+        // first_shot
+        K::StartPlace => {
+            float("u", 8.0, "those of linear_triangle::sample, three products and their sum, relative")
+        }
+        K::StartWithin => float("u", 3.0, CONDITION),
+        K::StartDensity => float("u", 4.0, CONDITION),
+        K::StartFlux => float("ulp", 5.0, ROUNDING),
+        K::LightShare => float("ulp", 5.0, ROUNDING),
+        K::LookFactor => float("u", 1.5, "quotient and difference, over the quotient"),
+        K::PieceFlux => float("ulp", 5.0, ROUNDING),
+        // emit
+        K::EmitLight => float("u", 6.0, CONDITION),
+        K::EmitEnvironment => float("u", 6.0, CONDITION),
         // A kernel without an entry allows nothing and says so: the coverage test fails on it.
         _ => Tolerance {
             unit: "bits",

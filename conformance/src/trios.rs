@@ -4,6 +4,7 @@
 //! Samples use pseudo-random `u` with a fixed seed (not a net: the chi-square test needs independence). The joint level
 //! of all chi-square tests is [`ALPHA`], by Sidak's rule.
 
+mod first_shot;
 mod linear_triangle;
 
 use crate::inputs::HARD_UNITS;
@@ -110,7 +111,8 @@ pub fn check(backend: &dyn Backend, count: usize) -> Result<Vec<Finding>, Backen
     let mut out = Vec::new();
     let trios = trios();
     let scatterers = scatterers();
-    let level = sidak(ALPHA, trios.len() + scatterers.len() + 3 + linear_triangle::WEIGHTS.len());
+    let pieces = linear_triangle::WEIGHTS.len() + first_shot::CASES.len();
+    let level = sidak(ALPHA, trios.len() + scatterers.len() + 3 + pieces);
     for (i, t) in trios.iter().enumerate() {
         let label = |what: &str| match t.parameter {
             Some(p) => format!("trio/{}({p})/{what}", t.name),
@@ -136,6 +138,7 @@ pub fn check(backend: &dyn Backend, count: usize) -> Result<Vec<Finding>, Backen
     }
     flat(backend, count, level, &mut out)?;
     linear_triangle::check(backend, count, level, &mut out)?;
+    first_shot::check(backend, count, level, &mut out)?;
     for s in &scatterers {
         scatter(backend, s, count, level, &mut out)?;
     }

@@ -188,6 +188,71 @@ fn trio_mutants_are_caught_by_properties() {
             },
             "trio/lobes(both)/chi_square",
         ),
+        (
+            "the whole's chance for the piece's",
+            Kernel::StartDensity,
+            |_, item, out| scale(out, 1.0 / float(item[10])),
+            "trio/first_shot(quarter)/integral",
+        ),
+        (
+            "starts uniform on their piece",
+            Kernel::StartPlace,
+            |_, item, out| {
+                let mut flat = item.to_vec();
+                flat[6..9].fill(1.0_f32.to_bits());
+                kernel::evaluate(Kernel::StartPlace, &[], &flat, out).expect("same lengths");
+            },
+            "trio/first_shot(whole)/chi_square",
+        ),
+        (
+            "starts beside where they are looked for",
+            Kernel::StartPlace,
+            |_, _, out| out.swap(1, 2),
+            "trio/first_shot(small)/round_trip",
+        ),
+        (
+            "the power heuristic on one side alone",
+            Kernel::LightShare,
+            |_, _, out| {
+                let (a, b) = (float(out[0]), 1.0 - float(out[0]));
+                out[0] = (a * a / (a * a + b * b)).to_bits();
+            },
+            "trio/first_shot(needle)/conservation",
+        ),
+        (
+            "the brightest channel on one side alone",
+            Kernel::StartFlux,
+            |_, item, out| {
+                let e = [0, 1, 2].map(|k| float(item[k]));
+                let all = float(item[3]) + float(item[4]) * e[0].max(e[1]).max(e[2]);
+                for (out, e) in out.iter_mut().zip(e) {
+                    *out = (e / all).to_bits();
+                }
+            },
+            "trio/first_shot(whole)/conservation",
+        ),
+        (
+            "as published, without the chance",
+            Kernel::PieceFlux,
+            |_, item, out| scale(out, float(item[7])),
+            "trio/first_shot(small)/published",
+        ),
+        (
+            "hidden starts that carry nothing when asked and all when not",
+            Kernel::LookFactor,
+            |_, item, out| {
+                if item[1] != 0 {
+                    out[0] = 0;
+                }
+            },
+            "trio/first_shot/looks",
+        ),
+        (
+            "starts that bunch in one part",
+            Kernel::EvenWord,
+            |_, item, out| out[0] = item[1] ^ item[0],
+            "trio/first_shot/even_words",
+        ),
     ];
     for (name, kernel, spoil, expected) in spoiled {
         let mutant = KernelMutant { kernel: *kernel, spoil: *spoil };

@@ -47,6 +47,13 @@ fn every_kernel_answers_some_item_and_overwrites_its_output() {
                 .collect();
             match kernel {
                 Kernel::CdfPmf | Kernel::SrgbDecode => item[0] = k,
+                // The whole triangle as a piece, of some area.
+                Kernel::StartPlace | Kernel::StartWithin | Kernel::StartDensity => {
+                    item[..6].copy_from_slice(&[0, 0, 1 << 24, 0, 0, 1 << 24]);
+                    if let Some(rest) = item.get_mut(9..13) {
+                        rest.copy_from_slice(&[1.0, 0.5, 0.25, 0.25_f32].map(f32::to_bits));
+                    }
+                }
                 Kernel::RoundShape => item[7] = k % 2,
                 // Codes, and texels that count: floats of few bits end in zeros.
                 Kernel::Bc1EncodeRangeFit | Kernel::Bc4EncodeRangeFit => (item[0], item[16]) = (k, 0xffff),

@@ -4,6 +4,7 @@ use super::Shared;
 use crate::tree::Tree;
 use etendue_core::direct::subdivide::Workspace;
 use etendue_core::geometry::{Hit, Intersector};
+use etendue_core::sampling::discrete::even_word;
 use etendue_core::sampling::numbers::Numbers;
 use etendue_core::scene::{CompiledScene, NO_INDEX};
 use etendue_core::transport::first_shot::{
@@ -80,10 +81,7 @@ impl Replicate {
         if !self.even {
             return numbers.bits4(PICK_GROUP)[0];
         }
-        match self.bits {
-            0 => self.shift,
-            bits => index << (32 - bits) | self.shift >> bits,
-        }
+        even_word(index, self.shift, self.bits)
     }
 }
 

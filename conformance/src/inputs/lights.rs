@@ -88,20 +88,36 @@ pub(super) fn scattering(kernel: Kernel, count: usize, r: &mut Random) -> Vec<u3
 }
 
 /// Words of a `LightRecord`, by hand: the layout is part of what is tested.
-struct Record {
-    kind: u32,
-    pmf: f32,
-    area: f32,
-    point: [f32; 3],
-    params: [f32; 2],
-    radiance: [f32; 3],
-    edge1: [f32; 3],
-    edge2: [f32; 3],
-    normal: [f32; 3],
+pub(super) struct Record {
+    pub(super) kind: u32,
+    pub(super) pmf: f32,
+    pub(super) area: f32,
+    pub(super) point: [f32; 3],
+    pub(super) params: [f32; 2],
+    pub(super) radiance: [f32; 3],
+    pub(super) edge1: [f32; 3],
+    pub(super) edge2: [f32; 3],
+    pub(super) normal: [f32; 3],
 }
 
 impl Record {
-    fn words(&self) -> Vec<u32> {
+    /// A light of no extent or direction.
+    pub(super) fn dark(kind: u32, radiance: [f32; 3]) -> Self {
+        let zero = [0.0; 3];
+        Self {
+            kind,
+            pmf: 1.0,
+            area: 0.0,
+            point: zero,
+            params: [0.0; 2],
+            radiance,
+            edge1: zero,
+            edge2: zero,
+            normal: zero,
+        }
+    }
+
+    pub(super) fn words(&self) -> Vec<u32> {
         let mut w = vec![self.kind, 0];
         put(&mut w, &[self.pmf, self.area]);
         put(&mut w, &self.point);
@@ -112,7 +128,7 @@ impl Record {
     }
 }
 
-fn records(r: &mut Random) -> Vec<Record> {
+pub(super) fn records(r: &mut Random) -> Vec<Record> {
     let zero = [0.0; 3];
     let mut list = Vec::new();
     for kind in 0..7_u32 {
@@ -121,17 +137,7 @@ fn records(r: &mut Random) -> Vec<Record> {
             let point = if round == 0 { zero } else { r.vector(-3.0, 3.0) };
             let pmf = if round == 0 { 1.0 } else { r.range(0.01, 1.0) as f32 };
             let n = normal(r);
-            let base = Record {
-                kind,
-                pmf,
-                area: 0.0,
-                point,
-                params: [0.0; 2],
-                radiance,
-                edge1: zero,
-                edge2: zero,
-                normal: zero,
-            };
+            let base = Record { pmf, point, ..Record::dark(kind, radiance) };
             let radius = r.log_range(0.05, 2.0);
             let pi = std::f64::consts::PI;
             let disk = (pi * f64::from(radius) * f64::from(radius)) as f32;

@@ -21,7 +21,7 @@ const HARD_WEIGHTS: [[f32; 3]; 13] = [
     [-1.0, 2.0, 3.0],
 ];
 
-fn weights(r: &mut Random) -> [f32; 3] {
+pub(super) fn weights(r: &mut Random) -> [f32; 3] {
     let scale = f64::from(r.log_range(1e-20, 1e20));
     let mut w = match r.below(6) {
         0 => [0.0, r.range(0.0, 1.0), r.range(0.0, 1.0)],

@@ -10,19 +10,19 @@ use std::f64::consts::PI;
 const U: f64 = 1.0 / 16_777_216.0;
 
 /// A `LightRecord` in f64.
-struct Light {
-    kind: u32,
-    pmf: f64,
-    area: f64,
-    point: V,
-    params: [f64; 2],
-    radiance: V,
-    edge1: V,
-    edge2: V,
-    normal: V,
+pub(super) struct Light {
+    pub(super) kind: u32,
+    pub(super) pmf: f64,
+    pub(super) area: f64,
+    pub(super) point: V,
+    pub(super) params: [f64; 2],
+    pub(super) radiance: V,
+    pub(super) edge1: V,
+    pub(super) edge2: V,
+    pub(super) normal: V,
 }
 
-fn record(constants: &[u32]) -> Light {
+pub(super) fn record(constants: &[u32]) -> Light {
     let mut c = Words(constants);
     let kind = c.word();
     c.word();

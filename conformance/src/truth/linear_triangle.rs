@@ -78,11 +78,25 @@ fn linear(a: f64, b: f64, eta: f64) -> [f64; 2] {
 }
 
 /// Errors relative to the number itself, but for the grid of subnormals.
-fn relative(x: f64) -> Expect {
+pub(super) fn relative(x: f64) -> Expect {
     Expect::Scaled(x, x.max(f64::from(f32::MIN_POSITIVE)))
 }
 
+/// The sampled place, by vertex.
+pub(super) fn place(weights: [f64; 3], u: [f64; 2]) -> [f64; 3] {
+    let weights = valid(weights);
+    let k = lightest(weights);
+    let w = turned(weights, k);
+    let [s, c] = distance(w, u[0]);
+    let [t, early] = linear(w[0] * c + w[1] * s, w[0] * c + w[2] * s, u[1]);
+    let place = [c, s * early, s * t];
+    [0, 1, 2].map(|i| place[(i + 3 - k) % 3])
+}
+
 pub(super) fn truth(kernel: Kernel, _constants: &[u32], r: &mut Words<'_>) -> Answer {
+    if kernel == Kernel::SampleLinearTriangle {
+        return Answer::Is(place(r.vec3(), [r.real(), r.real()]).map(relative).to_vec());
+    }
     let weights = valid(r.vec3());
     let k = lightest(weights);
     let w = turned(weights, k);
@@ -90,13 +104,6 @@ pub(super) fn truth(kernel: Kernel, _constants: &[u32], r: &mut Words<'_>) -> An
         Kernel::LinearTriangleDistance => {
             let [s, c] = distance(w, r.real());
             Answer::Is(vec![Expect::Word(k as u32), relative(s), relative(c)])
-        }
-        Kernel::SampleLinearTriangle => {
-            let (xi, eta) = (r.real(), r.real());
-            let [s, c] = distance(w, xi);
-            let [t, early] = linear(w[0] * c + w[1] * s, w[0] * c + w[2] * s, eta);
-            let place = [c, s * early, s * t];
-            Answer::Is((0..3).map(|i| relative(place[(i + 3 - k) % 3])).collect())
         }
         Kernel::PdfLinearTriangle => {
             let b = r.vec3();

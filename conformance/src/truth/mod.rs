@@ -9,7 +9,9 @@
 mod bc1;
 mod bsdf;
 pub mod emission;
+mod emit;
 pub mod empty_box;
+mod first_shot;
 mod geometry;
 mod light;
 mod linear_triangle;
@@ -117,9 +119,13 @@ pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> Answer {
             light::truth(kernel, constants, &mut r)
         }
         K::SrgbDecode | K::SampleBitmap => light::image(kernel, constants, &mut r),
-        K::U32ToUnit | K::CounterBits4 | K::SobolBits4 | K::SobolSet | K::CdfPick | K::CdfPmf => {
-            sampling::truth(kernel, constants, &mut r)
-        }
+        K::U32ToUnit
+        | K::CounterBits4
+        | K::SobolBits4
+        | K::SobolSet
+        | K::CdfPick
+        | K::CdfPmf
+        | K::EvenWord => sampling::truth(kernel, constants, &mut r),
         _ => match kernel.module() {
             "linear_triangle" => linear_triangle::truth(kernel, constants, &mut r),
             "emission" => emission::truth(kernel, constants, &mut r),
@@ -127,6 +133,8 @@ pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> Answer {
             "log_offset" => log_offset::truth(kernel, constants, &mut r),
             "bc1" | "bc4" => bc1::truth(kernel, constants, &mut r),
             "polynomial" => polynomial::truth(kernel, constants, &mut r),
+            "first_shot" => first_shot::truth(kernel, constants, &mut r),
+            "emit" => emit::truth(kernel, constants, &mut r),
             _ => warp::truth(kernel, constants, &mut r),
         },
     }

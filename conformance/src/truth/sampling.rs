@@ -47,6 +47,13 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
             let pmf = (count as f64 / 4_294_967_296.0) as f32;
             words(&[found as u32, pmf.to_bits(), (((x - start) << 32) / count) as u32])
         }
+        Kernel::EvenWord => {
+            let (index, shift, bits) = (u64::from(r.word()), u64::from(r.word()), r.word().min(32));
+            // Parts of equal length, each the whole scaled down.
+            let parts = 1_u64 << bits;
+            let length = (1_u64 << 32) / parts;
+            words(&[(index % parts * length + shift / parts) as u32])
+        }
         _ => {
             let i = r.word() as usize;
             let start = constants.get(i).map(|c| u64::from(*c));

@@ -1,7 +1,10 @@
 //! Kernel mutants, by the module that they spoil.
 
 mod bc1;
+mod discrete;
 mod emission;
+mod emit;
+mod first_shot;
 mod linear_triangle;
 mod log_offset;
 mod polynomial;
@@ -33,4 +36,7 @@ pub(crate) const MUTANTS: &[&[Mutant]] = &[
     log_offset::MUTANTS,
     bc1::MUTANTS,
     polynomial::MUTANTS,
+    discrete::MUTANTS,
+    first_shot::MUTANTS,
+    emit::MUTANTS,
 ];

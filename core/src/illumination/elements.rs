@@ -299,7 +299,7 @@ fn position(v: [Vec3; 3], b1: f32, b2: f32) -> Vec3 {
 fn divisions(scene: &CompiledScene, triangle: u32, largest: f32) -> u32 {
     let Some([a, b, c]) = scene.primitives().vertices(triangle) else { return 1 };
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-    if !(largest > 0.0) || !(longest > largest) {
+    if largest.is_nan() || largest <= 0.0 || longest.is_nan() || longest <= largest {
         return 1;
     }
     (math::ceil(longest / largest) as u32).clamp(1, DIVISIONS_MAX)

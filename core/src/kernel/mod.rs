@@ -257,6 +257,28 @@ kernels! {
     PolynomialApplyHalf = "polynomial::apply_half", table(1, 8, 8);
     /// n (up to 8), k (up to 64), n^2 entries of A by rows | b (8) -> (A + ... + A^k) b (8; 0 beyond n).
     PolynomialSeries = "polynomial::series", table(2, 8, 8);
+    // first_shot: a piece's corners are the second and third barycentrics of each in steps of 2^-24; outside the triangle they are nothing.
+    /// index, shift, bits -> word.
+    EvenWord = "discrete::even_word", exact(0, 3, 1);
+    /// corners (6), weights (3), u (2) -> barycentrics on the triangle (3).
+    StartPlace = "first_shot::place", exact(0, 11, 3);
+    /// corners (6), second and third barycentric on the triangle -> flag, barycentrics on the piece (3).
+    StartWithin = "first_shot::within", exact(0, 8, 4);
+    /// corners (6), weights (3), area, pmf, second and third barycentric on the triangle -> density per area.
+    StartDensity = "first_shot::density", exact(0, 13, 1);
+    /// irradiance (vec3), density, chance per watt -> flux (vec3).
+    StartFlux = "first_shot::start_flux", exact(0, 5, 3);
+    /// irradiance (vec3), density, chance per watt -> share.
+    LightShare = "first_shot::light_share", exact(0, 5, 1);
+    /// chance, blocked flag -> factor.
+    LookFactor = "first_shot::look_factor", exact(0, 2, 1);
+    /// colour (vec3), weights (3), area, pmf -> flux (vec3).
+    PieceFlux = "first_shot::piece_flux", exact(0, 8, 3);
+    // emit
+    /// `LightRecord` (24 words), the scene's bounding sphere (4) | u (4) -> origin, direction, flux (vec3 each).
+    EmitLight = "emit::emit", exact(28, 4, 9);
+    /// radiance (vec3), the scene's bounding sphere (4) | u (4) -> origin, direction, flux (vec3 each).
+    EmitEnvironment = "emit::emit_environment", exact(7, 4, 9);
 }
 
 impl Kernel {

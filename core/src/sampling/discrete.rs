@@ -112,6 +112,20 @@ pub const fn pmf_in(cumulative: &[u32], index: u32) -> f32 {
     end.saturating_sub(start) as f32 * COUNT
 }
 
+/// The word of place `index` among 2^`bits` that walk along a distribution, one in each of equal parts: place by place, all shifted by the same
+/// `shift` of a part, of which the leading bits count.
+///
+/// `index 2^(32 - bits) + floor(shift / 2^bits)`; of an index beyond 2^bits the low bits count. With 0 bits it is the shift, with 32 or more
+/// the index.
+#[inline(always)]
+pub const fn even_word(index: u32, shift: u32, bits: u32) -> u32 {
+    match bits {
+        0 => shift,
+        1..32 => index << (32 - bits) | shift >> bits,
+        _ => index,
+    }
+}
+
 /// A discrete distribution over weighted entries, with integer probabilities that sum to exactly one.
 ///
 /// Each nonzero weight has at least one count, a zero weight has none. An entry whose fair share `w / sum(w) * 2^32` is less than one count

@@ -2,6 +2,7 @@
 
 mod bc1;
 mod emission;
+mod first_shot;
 mod linear_triangle;
 mod log_offset;
 mod polynomial;
@@ -160,6 +161,7 @@ fn evaluator(kernel: Kernel) -> Evaluator {
         "log_offset" => log_offset::one,
         "bc1" | "bc4" => bc1::one,
         "polynomial" => polynomial::one,
+        "first_shot" | "emit" => first_shot::one,
         _ => one,
     }
 }
@@ -203,6 +205,7 @@ fn one(kernel: Kernel, shared: &Shared<'_>, mut r: Reader<'_>, w: &mut Writer<'_
             w.word(pick.remainder);
         }
         K::CdfPmf => w.float(discrete::pmf_in(shared.constants, r.word())),
+        K::EvenWord => w.word(discrete::even_word(r.word(), r.word(), r.word())),
         K::Triangle => {
             let ray = r.ray();
             let vertices = [r.vec3(), r.vec3(), r.vec3()];

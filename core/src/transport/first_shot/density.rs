@@ -1,6 +1,8 @@
 //! The density from which photons start, and what they carry.
 
 use super::pieces::{LitPiece, colour};
+use super::place::{SLACK, density, on_triangle, within};
+use super::weight::{light_share, look_factor, piece_flux, start_flux};
 use super::{FirstShotError, StartPlan, Weights};
 use crate::direct::irradiance::from_light;
 use crate::geometry::{Hit, Ray, hit_point_with};
@@ -38,11 +40,10 @@ pub struct Look {
 }
 
 impl Look {
-    /// What the start's flux is multiplied by: 1 where the light is seen. With the chance q of being asked, blocked starts have
-    /// 1 - 1/q, which in the mean, with those that were not asked, is 0.
+    /// What the start's flux is multiplied by; see [`look_factor`].
     #[inline]
     pub fn factor(&self, blocked: bool) -> f32 {
-        if blocked { 1.0 - 1.0 / self.chance } else { 1.0 }
+        look_factor(self.chance, blocked)
     }
 }
 
@@ -195,12 +196,7 @@ impl FirstShot {
         };
         let light = scene.lights.get(piece.light as usize)?;
         let on_piece = linear_triangle::sample(piece.weights, [u[0], u[1]]);
-        let mut b = [0.0; 3];
-        for (share, corner) in on_piece.into_iter().zip(piece.corners) {
-            for (b, c) in b.iter_mut().zip(corner.to_f32()) {
-                *b += share * c;
-            }
-        }
+        let b = on_triangle(piece.corners, on_piece);
         let v = scene.primitives().vertices(piece.triangle)?;
         let surface = scene.surfaces.get(piece.triangle as usize)?;
         let point = hit_point_with(v, b[1], b[2], surface.sliver);
@@ -209,14 +205,12 @@ impl FirstShot {
         let hit = Hit { t: 0.0, primitive: piece.triangle, b1: b[1], b2: b[2] };
         let (flux, look) = if self.exact {
             let (e, shadow) = from_light(light, &point, Vec3::from_array(surface.normal))?;
-            let density = pick.pmf * linear_triangle::pdf(piece.weights, on_piece) / piece.area;
-            let all = density + self.per_watt[piece.light as usize] * math::mean(e);
+            let density = density(pick.pmf, piece.weights, piece.area, on_piece);
             let look = (u[3] < piece.looks).then_some(Look { ray: shadow, chance: piece.looks });
-            (e / all, look)
+            (start_flux(e, density, self.per_watt[piece.light as usize]), look)
         } else {
             // The density is linear, and so a little more than nothing beyond a spot's cone or in a shadow's edge: what starts there counts.
-            let mean = (piece.weights[0] + piece.weights[1] + piece.weights[2]) / 3.0;
-            (colour(light) * (mean * piece.area / pick.pmf), None)
+            (piece_flux(colour(light), piece.weights, piece.area, pick.pmf), None)
         };
         let photon = Photon { registers_first: false, survives_first: true, ..Photon::new(ray, flux) };
         Some(Start::Lands { photon, hit, look })
@@ -247,9 +241,7 @@ impl FirstShot {
         let Some(v) = scene.primitives().vertices(hit.primitive) else { return };
         let point = hit_point_with(v, hit.b1, hit.b2, surface.sliver);
         let Some((e, _)) = from_light(light, &point, Vec3::from_array(surface.normal)) else { return };
-        let from_light = self.per_watt[index as usize] * math::mean(e);
-        let all = from_light + self.density_at(index, hit);
-        photon.flux *= if all > 0.0 { from_light / all } else { 1.0 };
+        photon.flux *= light_share(e, self.density_at(index, hit), self.per_watt[index as usize]);
     }
 
     /// Density per area \[1/m^2\] of starts on the pieces of one light at a point of a triangle.
@@ -267,7 +259,7 @@ impl FirstShot {
         // Of two pieces that meet at the point either would do; of pieces with gaps of rounding between them, the nearest.
         let mut best: Option<(f32, u32, [f32; 3])> = None;
         for index in *from..*to {
-            let Some(bary) = within(&self.pieces[index as usize], [hit.b1, hit.b2]) else { continue };
+            let Some(bary) = within(self.pieces[index as usize].corners, [hit.b1, hit.b2]) else { continue };
             let least = math::min(bary[0], math::min(bary[1], bary[2]));
             if best.is_none_or(|b| least > b.0) {
                 best = Some((least, index, bary));
@@ -277,25 +269,8 @@ impl FirstShot {
             }
         }
         // Some parts of a triangle have no piece: those that are dark.
-        let Some((least, index, bary)) = best.filter(|b| b.0 >= -1e-4) else { return 0.0 };
+        let Some((_, index, bary)) = best.filter(|b| b.0 >= -SLACK) else { return 0.0 };
         let piece = &self.pieces[index as usize];
-        let inside = if least < 0.0 { bary.map(|x| x.max(0.0)) } else { bary };
-        self.density.pmf(index) * linear_triangle::pdf(piece.weights, inside) / piece.area
+        density(self.density.pmf(index), piece.weights, piece.area, bary)
     }
-}
-
-/// Barycentrics on a piece of a point of its triangle; `None` for a piece without area.
-#[inline]
-fn within(piece: &LitPiece, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
-    let [a, b, c] = piece.corners.map(|c| {
-        let [_, b1, b2] = c.to_f32();
-        [b1, b2]
-    });
-    let (u, v, p) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]], [x - a[0], y - a[1]]);
-    let all = u[0] * v[1] - u[1] * v[0];
-    if !(all > 0.0) {
-        return None;
-    }
-    let (l1, l2) = ((p[0] * v[1] - p[1] * v[0]) / all, (u[0] * p[1] - u[1] * p[0]) / all);
-    Some([1.0 - l1 - l2, l1, l2])
 }

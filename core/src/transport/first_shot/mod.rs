@@ -17,7 +17,9 @@
 mod density;
 mod forecast;
 mod pieces;
+pub mod place;
 mod plan;
+pub mod weight;
 
 pub use density::{FirstShot, Start};
 pub use forecast::{Forecast, forecast};

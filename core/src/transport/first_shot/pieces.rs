@@ -112,7 +112,7 @@ impl StartPlan<'_> {
         let (area, ka) = (triangle_area(v), reflectance(material));
         let surface = scene.surfaces[triangle as usize];
         let n = Vec3::from_array(surface.normal);
-        if !(area > 0.0) || ka == Vec3::ZERO {
+        if area.is_nan() || area <= 0.0 || ka == Vec3::ZERO {
             return 0;
         }
         if material.flags & material_flags::TWO_SIDED == 0 && light::emit::toward(light, v[0]).dot(n) <= 0.0 {
