@@ -5,6 +5,8 @@ use crate::math::{self, Vec3};
 use crate::scene::CompiledScene;
 use alloc::vec::Vec;
 
+/// Share of the mean area of a cluster below which it is joined to another.
+const SMALL: f64 = 0.01;
 /// "No cluster": of elements without area.
 pub const NO_CLUSTER: u32 = u32::MAX;
 /// Steps by which the size of voxels is found for a number of clusters.
@@ -26,6 +28,7 @@ pub struct Clusters {
 #[derive(Clone, Debug)]
 pub struct Clustering {
     places: Vec<ElementPlace>,
+    weights: Vec<f64>,
     used: Vec<bool>,
     low: Vec3,
     extent: f32,
@@ -36,10 +39,11 @@ impl Clustering {
     /// Of all elements with an area.
     pub fn new(scene: &CompiledScene, elements: &Elements) -> Self {
         let places = elements.element_places(scene);
-        let used = (0..elements.count()).map(|i| elements.area(i) > 0.0).collect();
+        let weights: Vec<f64> = (0..elements.count()).map(|i| elements.weight(i)).collect();
+        let used = weights.iter().map(|w| *w > 0.0).collect();
         let extent = (scene.bounds.hi - scene.bounds.lo).max_element().max(f32::MIN_POSITIVE);
         let signed = elements.settings().sides == Sides::Apart;
-        Self { places, used, low: scene.bounds.lo, extent, signed }
+        Self { places, weights, used, low: scene.bounds.lo, extent, signed }
     }
 
     /// Leaves out the elements for which `keep` is false: those that nothing lights, say.
@@ -83,7 +87,7 @@ impl Clustering {
         Clusters { of, count, size }
     }
 
-    /// About `count` clusters.
+    /// About `count` clusters, none much smaller than the mean: a hundredth of its area would hardly ever see a photon.
     pub fn by_count(&self, count: usize) -> Clusters {
         // The number falls with the size, though not evenly.
         let (mut small, mut large) = (self.extent / 4096.0, 2.0 * self.extent);
@@ -103,7 +107,44 @@ impl Clustering {
                 break;
             }
         }
-        best
+        self.join_small(best)
+    }
+
+    /// Joins clusters of less than [`SMALL`] of the mean area to the nearest one that is larger and faces alike.
+    fn join_small(&self, mut clusters: Clusters) -> Clusters {
+        let mut area = alloc::vec![0.0_f64; clusters.count];
+        let mut centre = alloc::vec![Vec3::ZERO; clusters.count];
+        let mut axis = alloc::vec![0_u64; clusters.count];
+        for (i, c) in clusters.of.iter().enumerate().filter(|(_, c)| **c != NO_CLUSTER) {
+            let c = *c as usize;
+            area[c] += self.weights[i];
+            centre[c] += self.places[i].position * self.weights[i] as f32;
+            axis[c] = self.key(i, clusters.size) & 7;
+        }
+        let least = SMALL * area.iter().sum::<f64>() / clusters.count.max(1) as f64;
+        for (c, a) in centre.iter_mut().zip(&area) {
+            *c /= (*a as f32).max(f32::MIN_POSITIVE);
+        }
+        let host = |c: usize| {
+            let apart = |o: usize| (centre[o] - centre[c]).dot(centre[o] - centre[c]);
+            let nearest = (0..clusters.count)
+                .filter(|o| area[*o] >= least && axis[*o] == axis[c])
+                .min_by(|a, b| apart(*a).total_cmp(&apart(*b)));
+            if area[c] < least { nearest.unwrap_or(c) } else { c }
+        };
+        let hosts: Vec<usize> = (0..clusters.count).map(host).collect();
+        // Those that are left, in their order.
+        let mut numbers = alloc::vec![NO_CLUSTER; clusters.count];
+        let mut count = 0;
+        for (c, _) in hosts.iter().enumerate().filter(|(c, h)| *c == **h) {
+            numbers[c] = count;
+            count += 1;
+        }
+        for c in clusters.of.iter_mut().filter(|c| **c != NO_CLUSTER) {
+            *c = numbers[hosts[*c as usize]];
+        }
+        clusters.count = count as usize;
+        clusters
     }
 }
 

@@ -203,11 +203,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if !asked.is_empty() && !asked.iter().any(|a| a == name) {
             continue;
         }
-        for case in scenes::cases(data.as_deref(), Some(name)) {
-            let text = chapter(&case, &figures)?;
-            println!("{text}");
-            page += &text;
-        }
+        let Some(case) = scenes::case(name, data.as_deref()) else {
+            eprintln!("{name} is left out: ETENDUE_SCENES does not name the folder of the shared scenes");
+            continue;
+        };
+        let text = chapter(&case, &figures)?;
+        println!("{text}");
+        page += &text;
     }
     if asked.is_empty() {
         std::fs::write(docs.join("first-shot.md"), page.trim_end().to_owned() + "\n")?;

@@ -37,13 +37,19 @@ fn corners(session: &CpuSession) -> (f64, u64) {
 
 /// One row of the table.
 pub struct Row {
+    /// Its name.
     pub name: &'static str,
+    /// CPU seconds, the median of the turns.
     pub seconds: f64,
     /// Over the pass over corners, within each turn; the median.
     pub ratio: f64,
+    /// Shadow rays.
     pub rays: u64,
+    /// (Piece, light) pairs.
     pub pairs: usize,
+    /// What they take.
     pub megabytes: f64,
+    /// Share of the flux that survives its first hit, by the pairs.
     pub survival: f64,
 }
 

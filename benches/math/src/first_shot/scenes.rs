@@ -4,9 +4,13 @@ use etendue::core::scene::{CompiledScene, LightDesc, MaterialKind, SceneDesc, co
 use etendue::io::load_scene;
 use std::path::{Path, PathBuf};
 
+/// A scene to compare on.
 pub struct Case {
+    /// Its name, as the program takes it.
     pub name: &'static str,
+    /// What it is.
     pub about: &'static str,
+    /// The scene.
     pub scene: CompiledScene,
 }
 
@@ -77,39 +81,25 @@ fn room() -> SceneDesc {
     desc
 }
 
-/// The cases of a name, or all; `data` is where the shared scenes lie.
-pub fn cases(data: Option<&Path>, only: Option<&str>) -> Vec<Case> {
-    let mut all: Vec<(&'static str, &'static str, Box<dyn Fn() -> SceneDesc>)> = vec![
-        (
-            "colonnade",
-            "scenes/colonnade/lamps.toml: six points and three spots",
-            Box::new(|| ours("colonnade/lamps.toml")),
-        ),
-        (
-            "room",
+/// The scene of a name; `None` for an unknown one, or one of the shared scenes where `data`, their folder, is not given.
+pub fn case(name: &'static str, data: Option<&Path>) -> Option<Case> {
+    let (about, desc) = match (name, data) {
+        ("colonnade", _) => {
+            ("scenes/colonnade/lamps.toml: six points and three spots", ours("colonnade/lamps.toml"))
+        }
+        ("room", _) => (
             "scenes/cornell/closed.toml without its lamp and with a point and a spot: large triangles",
-            Box::new(room),
+            room(),
         ),
-        ("dark", "scenes/colonnade/lamps.toml, all albedos times 0.3", Box::new(dark)),
-    ];
-    if let Some(data) = data {
-        let (a, b) = (data.to_owned(), data.to_owned());
-        all.push((
-            "sponza",
-            "Dabrovic's Sponza without bitmaps: seven points and two spots",
-            Box::new(move || sponza(&a, false)),
-        ));
-        all.push((
-            "textured",
-            "Dabrovic's Sponza with its bitmaps and the same lamps",
-            Box::new(move || sponza(&b, true)),
-        ));
-    }
-    all.into_iter()
-        .filter(|c| only.is_none_or(|name| name == c.0))
-        .map(|(name, about, desc)| {
-            let scene = compile(&desc()).unwrap_or_else(|e| panic!("{name}: {e}")).0;
-            Case { name, about, scene }
-        })
-        .collect()
+        ("dark", _) => ("scenes/colonnade/lamps.toml, all albedos times 0.3", dark()),
+        ("sponza", Some(data)) => {
+            ("Dabrovic's Sponza without bitmaps: seven points and two spots", sponza(data, false))
+        }
+        ("textured", Some(data)) => {
+            ("Dabrovic's Sponza with its bitmaps and the same lamps", sponza(data, true))
+        }
+        _ => return None,
+    };
+    let scene = compile(&desc).unwrap_or_else(|e| panic!("{name}: {e}")).0;
+    Some(Case { name, about, scene })
 }

@@ -58,7 +58,8 @@ pub fn forecast<I: Intersector + ?Sized>(
     let plan = StartPlan::new(scene, *subdivision)?;
     let lights = LightPlan::new(scene).map_err(|_| FirstShotError::Dark)?;
     let walk = try_photons(scene, intersector, &lights);
-    if !(walk.sum > 0.0) {
+    // NaN is no flux either.
+    if walk.sum.partial_cmp(&0.0) != Some(core::cmp::Ordering::Greater) {
         return Err(FirstShotError::Dark);
     }
     let n = photons as f64;

@@ -9,7 +9,7 @@ use crate::scene::{CompiledScene, NO_INDEX};
 use alloc::vec::Vec;
 
 /// Most (triangle, light) pairs that are looked at; lights beyond are entries of their own. Where so many lights share the flux hardly any pair is worth
-/// more than a glance, that is one piece: 56 bytes, and 4 of the index of pairs, 240 MiB in all.
+/// more than a glance, that is one piece: 60 bytes, and 4 of the index of pairs: 280 MB in all.
 const PAIRS_MAX: u64 = 1 << 22;
 /// Texels that the source's rule scans.
 const SCAN_TEXELS: f32 = 64.0;
