@@ -28,6 +28,8 @@ struct Ordered<'a> {
     rank: usize,
 }
 
+/// Most photons that walk together: about 140 bytes each, and what is gained by more of them is little.
+const WAVE: u32 = 1 << 20;
 /// Photons that are fetched together.
 const GATHER: usize = 32;
 /// One as a sum of chances.
@@ -117,7 +119,7 @@ fn order(grid: &HilbertGrid, landed: &[Landed]) -> Vec<u64> {
     keys
 }
 
-/// Walks all photons of a replicate; nothing where the meter says stop.
+/// Walks all photons of a replicate, some waves of them; only a part where the meter says stop.
 pub(super) fn walk<const L: bool, const T: bool, const S: bool>(
     tracer: &PhotonTracer<'_, L, T, S>,
     shared: &Shared<'_>,
@@ -126,9 +128,22 @@ pub(super) fn walk<const L: bool, const T: bool, const S: bool>(
     meter: &Meter<'_>,
 ) {
     let photons = shared.job.photons;
+    for first in (0..photons).step_by(WAVE as usize) {
+        walk_wave(tracer, shared, replicate, random, first..photons.min(first.saturating_add(WAVE)), meter);
+    }
+}
+
+fn walk_wave<const L: bool, const T: bool, const S: bool>(
+    tracer: &PhotonTracer<'_, L, T, S>,
+    shared: &Shared<'_>,
+    replicate: &Replicate,
+    random: &Numbers,
+    photons: Range<u32>,
+    meter: &Meter<'_>,
+) {
     let grid = HilbertGrid::new(&shared.scene.bounds);
     let tasks: Vec<Range<u32>> =
-        (0..photons.div_ceil(TASK)).map(|t| t * TASK..photons.min((t + 1) * TASK)).collect();
+        photons.clone().step_by(TASK as usize).map(|t| t..photons.end.min(t + TASK)).collect();
     let parts: Vec<_> = tasks
         .into_par_iter()
         .map(|range| {
@@ -141,7 +156,7 @@ pub(super) fn walk<const L: bool, const T: bool, const S: bool>(
         })
         .collect();
     let mut landed: Vec<Landed> = parts.concat();
-    let mut alive = photons as usize;
+    let mut alive = photons.len();
     for bounce in 0.. {
         // Whoever is gone counts as done.
         meter.count(0, 0, (alive - landed.len()) as u64);
@@ -155,14 +170,18 @@ pub(super) fn walk<const L: bool, const T: bool, const S: bool>(
             .par_chunks(TASK as usize)
             .enumerate()
             .map(|(chunk, keys)| {
-                let part = Ordered { landed: &landed, order: keys, rank: chunk * TASK as usize };
+                let part = Ordered {
+                    landed: &landed,
+                    order: keys,
+                    rank: photons.start as usize + chunk * TASK as usize,
+                };
                 let (leaving, hits) =
                     scatter(tracer, shared, part, &replicate.numbers, group, &mut shared.sums.mine());
                 meter.count(0, hits, 0);
                 leaving
             })
             .collect();
-        let [offset, ..] = random.with_index(u32::MAX - 1).bits4(bounce);
+        let [offset, ..] = random.with_index(photons.start ^ (u32::MAX - 1)).bits4(bounce);
         let mut sum = u64::from(offset);
         let parts: Vec<(Vec<Leaving>, u64)> = parts
             .into_iter()

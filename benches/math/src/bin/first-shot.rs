@@ -146,7 +146,8 @@ fn chapter(case: &scenes::Case, figures: &Path) -> Result<String, Box<dyn std::e
     out += &format!("\nThe law: photons by 1/s = {:.2} times fewer.\n\n", 1.0 / survival);
     let times: HashMap<&str, f64> = rows.iter().map(|r| (r.name, r.seconds)).collect();
     let session = open(&scene);
-    let elements = Elements::new(&scene, ElementSettings::default());
+    let settings = ElementSettings { largest: case.largest, ..ElementSettings::default() };
+    let elements = Elements::new(&scene, settings);
     let all = measure::methods();
     let mut reference = Run::default();
     for _ in 0..REFERENCE {
@@ -160,7 +161,8 @@ fn chapter(case: &scenes::Case, figures: &Path) -> Result<String, Box<dyn std::e
         let name = format!("{} clusters", clusters.count);
         targets.push(Target { name, clusters: Some(clusters), errors: [0.05, 0.02, 0.01] });
     }
-    targets.push(Target { name: "triangles".into(), clusters: None, errors: [0.2, 0.1, 0.08] });
+    let name = if case.largest.is_finite() { "elements" } else { "triangles" };
+    targets.push(Target { name: name.into(), clusters: None, errors: [0.2, 0.1, 0.08] });
     let rows = run_all(&session, &elements, &times);
     let per = |r: &Run| {
         (1e6 * r.seconds_per_photon(), r.rays as f64 / r.photons as f64, r.hits as f64 / r.photons as f64)

@@ -12,6 +12,8 @@ pub struct Case {
     pub about: &'static str,
     /// The scene.
     pub scene: CompiledScene,
+    /// Longest edge of the elements \[m\]: that of its triangles where it is infinite.
+    pub largest: f32,
 }
 
 fn point(position: [f32; 3], intensity: [f32; 3]) -> LightDesc {
@@ -88,7 +90,7 @@ pub fn case(name: &'static str, data: Option<&Path>) -> Option<Case> {
             ("scenes/colonnade/lamps.toml: six points and three spots", ours("colonnade/lamps.toml"))
         }
         ("room", _) => (
-            "scenes/cornell/closed.toml without its lamp and with a point and a spot: large triangles",
+            "scenes/cornell/closed.toml without its lamp and with a point and a spot: large triangles, elements of 0.15 m",
             room(),
         ),
         ("dark", _) => ("scenes/colonnade/lamps.toml, all albedos times 0.3", dark()),
@@ -101,5 +103,6 @@ pub fn case(name: &'static str, data: Option<&Path>) -> Option<Case> {
         _ => return None,
     };
     let scene = compile(&desc).unwrap_or_else(|e| panic!("{name}: {e}")).0;
-    Some(Case { name, about, scene })
+    let largest = if name == "room" { 0.15 } else { f32::INFINITY };
+    Some(Case { name, about, scene, largest })
 }
