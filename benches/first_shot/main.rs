@@ -1,6 +1,7 @@
 //! First shot against photons from the lights: speed against error.
 #![allow(missing_docs, clippy::disallowed_methods, reason = "a program that prints, no library")]
 
+mod reconstruct;
 mod scenes;
 
 use cpu_time::ProcessTime;
@@ -84,12 +85,21 @@ fn bias(a: &[Vec<([f64; 3], f64)>], b: &[Vec<([f64; 3], f64)>]) -> f64 {
 }
 
 fn main() {
-    let args: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let mut args: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    // `reconstruct` before the other arguments: of the maps after reconstruction.
+    let reconstructs = args.first().is_some_and(|a| a == "reconstruct");
+    if reconstructs {
+        args.remove(0);
+    }
     let only = args.first().map(String::as_str);
-    let bits: u32 = args.get(1).and_then(|a| a.parse().ok()).unwrap_or(18);
+    let bits: u32 = args.get(1).and_then(|a| a.parse().ok()).unwrap_or(if reconstructs { 24 } else { 18 });
     let replicates: u32 = args.get(2).and_then(|a| a.parse().ok()).unwrap_or(8);
     let data = std::env::var_os("ETENDUE_SCENES").map(PathBuf::from);
     for case in scenes::cases(data.as_deref(), only) {
+        if reconstructs {
+            reconstruct::run(&case, bits);
+            continue;
+        }
         let session = session(&case.scene);
         let settings = ElementSettings::default();
         let elements = Elements::new(&case.scene, settings);
