@@ -60,21 +60,34 @@ impl Clustering {
         &self.places
     }
 
-    fn key(&self, i: usize, size: f32) -> u64 {
+    /// Edge of a cube that holds all places \[m\].
+    pub(super) fn extent(&self) -> f32 {
+        self.extent
+    }
+
+    fn key(&self, i: usize, size: f32, shift: Vec3, signed: bool) -> u64 {
         let p = &self.places[i];
-        let cell =
-            ((p.position - self.low) / size).to_array().map(|x| u64::from(x as u32).min((1 << 20) - 1));
+        let cell = ((p.position - self.low) / size + shift)
+            .to_array()
+            .map(|x| u64::from(x as u32).min((1 << 20) - 1));
         let n = p.normal.to_array();
         let axis = (0..3).fold(0, |best, k| if n[k].abs() > n[best].abs() { k } else { best });
-        let side = u64::from(self.signed && n[axis] < 0.0);
+        let side = u64::from(signed && n[axis] < 0.0);
         ((cell[0] << 40 | cell[1] << 20 | cell[2]) << 3) | (axis as u64) << 1 | side
+    }
+
+    /// Elements in the order of their cells, each with its cell's key: voxels of edge `size` \[m\] shifted by `shift` (in voxels), and the axis nearest
+    /// to the normal, with its direction where `signed`.
+    pub(super) fn keyed(&self, size: f32, shift: Vec3, signed: bool) -> Vec<(u64, u32)> {
+        let used = (0..self.places.len()).filter(|i| self.used[*i]);
+        let mut keyed: Vec<(u64, u32)> = used.map(|i| (self.key(i, size, shift, signed), i as u32)).collect();
+        keyed.sort_unstable();
+        keyed
     }
 
     /// The clusters of voxels of edge `size` \[m\], numbered in the order of their first elements.
     pub fn by_size(&self, size: f32) -> Clusters {
-        let mut keyed: Vec<(u64, u32)> =
-            (0..self.places.len()).filter(|i| self.used[*i]).map(|i| (self.key(i, size), i as u32)).collect();
-        keyed.sort_unstable();
+        let keyed = self.keyed(size, Vec3::ZERO, self.signed);
         let mut of = alloc::vec![NO_CLUSTER; self.places.len()];
         let mut count = 0;
         for (i, (key, element)) in keyed.iter().enumerate() {
@@ -119,7 +132,7 @@ impl Clustering {
             let c = *c as usize;
             area[c] += self.weights[i];
             centre[c] += self.places[i].position * self.weights[i] as f32;
-            axis[c] = self.key(i, clusters.size) & 7;
+            axis[c] = self.key(i, clusters.size, Vec3::ZERO, self.signed) & 7;
         }
         let least = SMALL * area.iter().sum::<f64>() / clusters.count.max(1) as f64;
         for (c, a) in centre.iter_mut().zip(&area) {

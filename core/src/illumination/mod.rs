@@ -9,12 +9,14 @@
 mod clusters;
 mod elements;
 mod lattice;
+mod reconstruct;
 
 use crate::film::{FilmSettings, power_of_two, scale_exponent};
 use crate::math::Vec3;
 
 pub use clusters::{Clustering, Clusters, NO_CLUSTER};
 pub use elements::{Basis, ElementMesh, ElementPlace, ElementSettings, Elements, Sides};
+pub use reconstruct::{Reconstruction, reconstruct};
 
 /// Fractional bits: all of the scene's flux is 2^48 units, or up to twice as much.
 const FRACTION_BITS: i32 = 48;

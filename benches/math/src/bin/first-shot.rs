@@ -10,6 +10,7 @@ use etendue::metrics::replicates::{bias, energy, noise, on};
 use etendue_benches::draw;
 use etendue_benches::figure::{Curves, Series};
 use etendue_benches::first_shot::measure::{self, Method, Run};
+use etendue_benches::first_shot::reconstruct::{self, Truth};
 use etendue_benches::first_shot::{precompute, scenes};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -130,6 +131,58 @@ fn table(rows: &[Row], target: &Target, elements: &Elements, reference: &Run) ->
     (out, series)
 }
 
+/// Total errors on the elements, after reconstruction beside as they are.
+fn reconstructed(
+    session: &CpuSession,
+    elements: &Elements,
+    reference: &Run,
+    times: &HashMap<&str, f64>,
+) -> String {
+    let n = reference.maps.len() as f64;
+    let mean: Vec<[f64; 3]> = (0..elements.count())
+        .map(|i| [0, 1, 2].map(|c| reference.maps.iter().map(|m| m[i][c]).sum::<f64>() / n))
+        .collect();
+    let variance = (0..elements.count())
+        .map(|i| {
+            [0, 1, 2].map(|c| {
+                let spread: f64 = reference.maps.iter().map(|m| (m[i][c] - mean[i][c]).powi(2)).sum();
+                spread / (n - 1.0) / n
+            })
+        })
+        .collect();
+    let truth = Truth { mean, variance };
+    let all = measure::methods();
+    let ways = [(&all[0], false), (&all[0], true), (&all[5], true), (&all[8], true)];
+    let mut out = String::from(
+        "| method | total error at 2^16 | at 2^18 | at 2^20 | stated | 20 %: M photons, s tracing, s in all | 10 % | 8 % |\n|---|---:|---:|---:|---:|---:|---:|---:|\n",
+    );
+    for (method, after) in ways {
+        let points = reconstruct::points(session, elements, method, &truth);
+        let error = |p: &reconstruct::Point| p.errors[usize::from(after)];
+        let name = if after { format!("{}, reconstructed", method.name) } else { method.name.into() };
+        out += &format!("| {name} |");
+        for p in &points[2..] {
+            out += &format!(" {} |", percent(error(p)));
+        }
+        let stated = if after { percent(points[4].errors[2]) } else { "-".into() };
+        out += &format!(" {stated} |");
+        let precompute = if method.name.contains("surfaces") { times["robust, exact"] } else { 0.0 };
+        for wanted in [0.2, 0.1, 0.08] {
+            let (photons, beyond) = reconstruct::photons_for(&points, error, wanted);
+            let tracing = photons * points[4].seconds[0] / points[4].photons;
+            let rest = precompute + if after { points[4].seconds[1] } else { 0.0 };
+            out += &format!(
+                " {}{:.3}, {tracing:.2}, {:.2} |",
+                if beyond { "*" } else { "" },
+                photons * 1e-6,
+                tracing + rest
+            );
+        }
+        out += "\n";
+    }
+    out
+}
+
 fn chapter(case: &scenes::Case, figures: &Path) -> Result<String, Box<dyn std::error::Error>> {
     eprintln!("{}", case.name);
     let scene = Arc::new(case.scene.clone());
@@ -191,6 +244,11 @@ fn chapter(case: &scenes::Case, figures: &Path) -> Result<String, Box<dyn std::e
             case.name, target.name
         );
     }
+    out += &format!(
+        "\n### {}: elements after reconstruction (`--reconstruct`), bias in the error\n\n",
+        case.name
+    );
+    out += &reconstructed(&session, &elements, &reference, &times);
     Ok(out + "\n")
 }
 

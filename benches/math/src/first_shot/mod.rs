@@ -2,4 +2,5 @@
 
 pub mod measure;
 pub mod precompute;
+pub mod reconstruct;
 pub mod scenes;
