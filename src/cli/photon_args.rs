@@ -7,6 +7,7 @@ use etendue_core::backend::PhotonStart;
 use etendue_core::illumination::{Basis, ElementSettings, Sides};
 use etendue_core::transport::first_shot::{Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
+use serde_json::{Map, Value, json};
 
 /// Where photons start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -107,6 +108,25 @@ impl PhotonArgs {
         };
         let largest = self.element_size.map_or(f32::INFINITY, |x| x as f32);
         PhotonSettings { start, sequence, elements: ElementSettings { basis, sides, largest } }
+    }
+
+    /// Whether the size of elements was given.
+    pub(super) fn has_element_size(&self) -> bool {
+        self.element_size.is_some()
+    }
+
+    /// Adds the choices, as the user says them, but for the size of elements.
+    pub(super) fn describe(&self, map: &mut Map<String, Value>) {
+        let mut add = |name: &str, value: Option<clap::builder::PossibleValue>| {
+            map.insert(name.into(), json!(value.map(|v| v.get_name().to_owned())));
+        };
+        add("from", self.from.to_possible_value());
+        if self.from == From::Surfaces {
+            add("weights", self.weights.to_possible_value());
+            add("subdivide", self.subdivide.to_possible_value());
+        }
+        add("basis", self.basis.to_possible_value());
+        add("sequence", self.sequence.to_possible_value());
     }
 
     /// Where photons start, as the user says it.
