@@ -1,11 +1,11 @@
 //! A scene with its tree, and the jobs on it.
 
-use crate::photons;
+use crate::photons::{self, Photons, Target};
 use crate::schedule::{image_chunks, run_blocks, single_chunks};
 use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{
-    self, BackendError, Control, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session,
+    self, BackendError, Control, GatherJob, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::SurfacePoint;
@@ -14,7 +14,7 @@ use etendue_core::math::Vec3;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, FirstShot, FirstShotError, Forecast, Subdivision, Weights};
 use etendue_core::transport::path::PathTracer;
-use etendue_core::transport::{TransportCode, resolve_probe};
+use etendue_core::transport::{TransportCode, place_probe, resolve_probe};
 use etendue_core::with_path_tracer;
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -105,6 +105,38 @@ impl CpuSession {
         let Ok(elements) =
             self.elements.get(settings, || Ok::<_, Infallible>(Elements::new(&self.scene, *settings)));
         elements
+    }
+
+    fn shot_of(&self, job: &PhotonJob) -> Result<Option<Arc<FirstShot>>, FirstShotError> {
+        match &job.start {
+            PhotonStart::Surfaces { subdivision, weights } => {
+                self.first_shot(subdivision, *weights).map(Some)
+            }
+            PhotonStart::Lights { .. } => Ok(None),
+        }
+    }
+
+    fn photons<'a>(
+        &'a self,
+        job: &'a PhotonJob,
+        elements: &'a Elements,
+        shot: Option<&'a FirstShot>,
+    ) -> Photons<'a> {
+        Photons { scene: &self.scene, tree: &self.tree, elements, code: self.code, job, shot }
+    }
+
+    fn gather(
+        &self,
+        job: &GatherJob,
+        target: Target<'_>,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let maps = job.maps(target.edges());
+        let elements = self.elements(&maps.elements);
+        let shot = self.shot_of(&maps)?;
+        let photons = self.photons(&maps, &elements, shot.as_deref());
+        photons::gather(&self.pool, photons, job, target, control, film)
     }
 
     fn check(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
@@ -236,11 +268,44 @@ impl Session for CpuSession {
         let elements = self.elements(&job.elements);
         let expected = backend::illumination_film_settings(&self.scene, &elements, job)?;
         self.check_film("photon", film, &expected)?;
-        let shot = match &job.start {
-            PhotonStart::Surfaces { subdivision, weights } => Some(self.first_shot(subdivision, *weights)?),
-            PhotonStart::Lights { .. } => None,
-        };
-        let scene = (&*self.scene, &self.tree, &*elements, shot.as_deref());
-        photons::run(&self.pool, scene, self.code, job, control, film)
+        let shot = self.shot_of(job)?;
+        photons::run(&self.pool, self.photons(job, &elements, shot.as_deref()), control, film)
+    }
+
+    fn photon_image(
+        &self,
+        job: &GatherJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, &job.path)?;
+        job.check(&self.scene)?;
+        self.check_film("photon", film, &expected)?;
+        let target = Target::Image { width: expected.width, height: expected.height };
+        self.gather(job, target, control, film)
+    }
+
+    fn photon_probes(
+        &self,
+        job: &GatherJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        job.check(&self.scene)?;
+        self.check_film("photon", film, &expected)?;
+        let places: Vec<_> = backend::check_probes(probes)?
+            .into_iter()
+            .map(|(p, n)| place_probe(&self.scene, &self.tree, p, n))
+            .collect();
+        if !job.gather
+            && let Some(index) = places.iter().position(|p| p.hit.is_none())
+        {
+            let reason =
+                "it lies on no surface, and a map is read on surfaces alone: a final gather needs none";
+            return Err(BackendError::BadProbe { index, reason });
+        }
+        self.gather(job, Target::Probes(&places), control, film)
     }
 }

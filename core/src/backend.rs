@@ -6,7 +6,7 @@
 //! reaches their math.
 
 use crate::film::{Film, FilmError, FilmSettings, scale_exponent};
-use crate::illumination::{self, ElementSettings, Elements};
+use crate::illumination::{self, ElementSettings, Elements, Sides};
 use crate::kernel::Kernel;
 use crate::math::Vec3;
 use crate::scene::CompiledScene;
@@ -298,6 +298,66 @@ impl PhotonJob {
     }
 }
 
+/// An image or probes from maps of photons, by tracing back; see [`crate::transport::gather`]. Each block of samples has a map of its own, that of the photons' replicate
+/// of its number: the spread of the blocks is the error of samples and map together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GatherJob {
+    /// Samples and their blocks. The number of edges counts those of the photons.
+    pub path: PathJob,
+    /// Photons of each block's map; a power of two. Part of the job: other numbers give other bits.
+    pub photons: u32,
+    /// Where photons start. The direct light of lights without size must not count.
+    pub start: PhotonStart,
+    /// Where their numbers come from.
+    pub sequence: Sequence,
+    /// What maps are divided into. Sides must be apart.
+    pub elements: ElementSettings,
+    /// Whether the first diffuse surface gathers its light by rays, instead of being read itself.
+    pub gather: bool,
+}
+
+impl GatherJob {
+    /// Tells the numbers of photons from those of the first pixel's samples.
+    const MAP_SEED: u64 = 0x3C6E_F372_FE94_F82B;
+
+    /// The photons of the maps, for a film of nothing. `edges`: those from the sensor to where a map is read without a final gather, 1 for an image and 0 for probes.
+    pub fn maps(&self, edges: u32) -> PhotonJob {
+        let back = edges + u32::from(self.gather);
+        PhotonJob {
+            seed: self.path.seed ^ Self::MAP_SEED,
+            photons: self.photons,
+            replicates: self.path.blocks.clone(),
+            max_hits: match self.path.max_depth {
+                u32::MAX => u32::MAX,
+                n => n.saturating_sub(back),
+            },
+            start: self.start,
+            sequence: self.sequence,
+            elements: self.elements,
+        }
+    }
+
+    /// Checks the numbers, for a scene.
+    ///
+    /// # Errors
+    /// As [`PathJob::check`] and [`PhotonJob::check`]; also photons that register direct light, sides together, and a limit of depth where mirrors or
+    /// Phong lobes make ways to the map of several lengths, since a map's photons have one limit.
+    pub fn check(&self, scene: &CompiledScene) -> Result<(), BackendError> {
+        self.path.check()?;
+        self.maps(0).check()?;
+        let reason = if matches!(self.start, PhotonStart::Lights { registers_direct: true, .. }) {
+            "a map to be read must not hold the direct light of lights without size"
+        } else if self.elements.sides != Sides::Apart {
+            "a map to be read must have its sides apart"
+        } else if self.path.max_depth != u32::MAX && (scene.needs.mirrors || scene.needs.glossy) {
+            "a limit of depth needs a scene without mirrors and Phong lobes with method `photon`"
+        } else {
+            return Ok(());
+        };
+        Err(BackendError::BadJob { reason })
+    }
+}
+
 /// A point on a surface where irradiance is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
@@ -376,6 +436,36 @@ pub trait Session: Send + Sync {
     ) -> Result<JobStats, BackendError> {
         let _ = (job, control, film);
         Err(BackendError::Unsupported { backend: "chosen", what: "illumination maps".into() })
+    }
+
+    /// An image from maps of photons into `film` (of [`image_film_settings`]). On an error the film is unchanged.
+    ///
+    /// # Errors
+    /// When the scene needs more than surfaces, has no camera, nothing emits, the job does not fit the scene ([`GatherJob::check`]), the film does not fit, the
+    /// control cancels, or the backend has no photons.
+    fn photon_image(
+        &self,
+        job: &GatherJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let _ = (job, control, film);
+        Err(BackendError::Unsupported { backend: "chosen", what: "images from illumination maps".into() })
+    }
+
+    /// The irradiance at probes from maps of photons into `film` (of [`probe_film_settings`]). On an error the film is unchanged.
+    ///
+    /// # Errors
+    /// As for images but for the camera; also when a probe is not finite or has no normal, or without a final gather lies on no surface.
+    fn photon_probes(
+        &self,
+        job: &GatherJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let _ = (job, probes, control, film);
+        Err(BackendError::Unsupported { backend: "chosen", what: "probes from illumination maps".into() })
     }
 }
 

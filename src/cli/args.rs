@@ -36,7 +36,7 @@ pub(super) enum Method {
     Path,
     /// Bidirectional path tracing (not in this version)
     Bdpt,
-    /// Photons that start on lit surfaces (not in this version)
+    /// Maps of photons, read or gathered by tracing back from the sensor
     Photon,
     /// The radiosity operator (not in this version)
     Radiosity,
@@ -80,10 +80,12 @@ impl SamplingArgs {
     /// Refuses methods that this version does not have.
     pub(super) fn check_method(&self) -> Result<(), CliError> {
         match self.method {
-            None | Some(Method::Path) => Ok(()),
+            None | Some(Method::Path | Method::Photon) => Ok(()),
             Some(other) => {
                 let name = other.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default();
-                Err(CliError::Usage(format!("method `{name}` is not in this version, expected `path`")))
+                Err(CliError::Usage(format!(
+                    "method `{name}` is not in this version, expected `path` or `photon`"
+                )))
             }
         }
     }

@@ -48,6 +48,7 @@ impl CliError {
                 BackendError::Unsupported { .. }
                 | BackendError::NoAdapter { .. }
                 | BackendError::LimitExceeded { .. } => RESOURCE,
+                BackendError::BadJob { .. } => USAGE,
                 _ => INPUT,
             },
         })

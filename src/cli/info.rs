@@ -85,7 +85,7 @@ fn describe(scene: &CompiledScene, report: &CompileReport, stages: &Stages) -> V
             "null_boundaries": n.null_boundaries,
             "unsupported": n.unsupported,
         },
-        "methods": if n.beyond_surfaces().is_none() { vec!["path"] } else { vec![] },
+        "methods": if n.beyond_surfaces().is_none() { vec!["path", "photon"] } else { vec![] },
         "cleanups": cleanups,
         "seconds": stages.json(),
     })
@@ -121,7 +121,7 @@ fn print(scene: &CompiledScene, stages: &Stages) {
     );
     line("needs", scene.needs.to_string());
     match scene.needs.beyond_surfaces() {
-        None => line("methods", "path".into()),
+        None => line("methods", "path, photon".into()),
         Some(missing) => line("methods", format!("none in this version: the scene has {missing}")),
     }
     line("read in", stages.text());

@@ -4,6 +4,7 @@ mod args;
 mod compare;
 mod conformance;
 mod error;
+mod gather_args;
 mod illuminate;
 mod info;
 mod job;

@@ -7,6 +7,7 @@ use etendue_core::backend::{BackendError, PhotonStart, Session};
 use etendue_core::illumination::{Basis, ElementSettings, Sides};
 use etendue_core::transport::first_shot::{Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
+use serde_json::{Map, Value, json};
 
 /// Where photons start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -115,6 +116,25 @@ impl PhotonArgs {
         };
         let largest = self.element_size.map_or(f32::INFINITY, |x| x as f32);
         Ok(PhotonSettings { start, sequence, elements: ElementSettings { basis, sides, largest } })
+    }
+
+    /// Whether the size of elements was given.
+    pub(super) fn has_element_size(&self) -> bool {
+        self.element_size.is_some()
+    }
+
+    /// Adds the choices, as the user says them, but for where photons start and the size of elements.
+    pub(super) fn describe(&self, start: &PhotonStart, map: &mut Map<String, Value>) {
+        let mut add = |name: &str, value: Option<clap::builder::PossibleValue>| {
+            map.insert(name.into(), json!(value.map(|v| v.get_name().to_owned())));
+        };
+        if matches!(start, PhotonStart::Surfaces { .. }) {
+            add("weights", self.weights.to_possible_value());
+            add("subdivide", self.subdivide.to_possible_value());
+        }
+        add("basis", self.basis.to_possible_value());
+        add("sequence", self.sequence.to_possible_value());
+        map.insert("from".into(), json!(name_of(start)));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::args::{BackendArgs, SamplingArgs, TalkArgs};
 use super::error::{CliError, INTERRUPTED};
+use super::gather_args::{Estimator, GatherArgs};
 use super::job::{Stages, open, read_scene, report, summary, warn_about};
 use super::output::check_folder;
 use super::progress::Bar;
@@ -26,6 +27,8 @@ pub(super) struct Args {
     #[command(flatten)]
     sampling: SamplingArgs,
     #[command(flatten)]
+    gather: GatherArgs,
+    #[command(flatten)]
     backend: BackendArgs,
     #[command(flatten)]
     talk: TalkArgs,
@@ -34,6 +37,7 @@ pub(super) struct Args {
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     args.sampling.check_method()?;
+    args.gather.check(&args.sampling)?;
     check_folder(&args.output)?;
     let mut stages = Stages::new();
     let mut points = read_points(&args.points)?;
@@ -44,9 +48,15 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         points.iter().map(|p| Probe { position: p.position, normal: p.normal }).collect();
     let (scene, _) = read_scene(&args.scene, None, &args.talk, &mut stages)?;
     let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
+    let estimator = args.gather.estimator(&args.sampling, &*opened.session, true)?;
     let settings = args.sampling.settings();
     let bar = Bar::new(&args.talk);
-    let outcome = driver::probes(&*opened.session, &probes, &settings, &bar)?;
+    let outcome = match &estimator {
+        Estimator::Path => driver::probes(&*opened.session, &probes, &settings, &bar)?,
+        Estimator::Photon(gather) => {
+            driver::photon_probes(&*opened.session, &probes, &settings, gather, &bar)?
+        }
+    };
     bar.finish();
     stages.done("sample");
     warn_about(&outcome);
@@ -63,12 +73,19 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
 
     if args.talk.json {
         let mut map = report(&opened, &outcome, settings.seed, &stages);
-        map.insert("method".into(), json!("path"));
+        args.gather.describe(&estimator, &settings, &mut map);
+        estimator.count(&outcome, &settings, &mut map);
         map.insert("probes".into(), json!(points.len()));
         map.insert("output".into(), json!(args.output));
         println!("{}", serde_json::Value::Object(map));
     } else if !args.talk.quiet {
-        println!("{}: {} probes, {}", args.output.display(), points.len(), summary(&outcome, &stages));
+        println!(
+            "{}: {} probes, {}{}",
+            args.output.display(),
+            points.len(),
+            estimator.words(&outcome, &settings),
+            summary(&outcome, &stages)
+        );
     }
     if outcome.cancelled {
         eprintln!(

@@ -2,6 +2,7 @@
 
 use super::args::{BackendArgs, SamplingArgs, Size, TalkArgs, ToneArgs};
 use super::error::{CliError, INTERRUPTED};
+use super::gather_args::{Estimator, GatherArgs};
 use super::job::{Stages, open, read_scene, report, summary, warn_about};
 use super::output::{check_folder, image_of, write_image};
 use super::progress::Bar;
@@ -24,6 +25,8 @@ pub(super) struct Args {
     #[command(flatten)]
     sampling: SamplingArgs,
     #[command(flatten)]
+    gather: GatherArgs,
+    #[command(flatten)]
     tone: ToneArgs,
     #[command(flatten)]
     backend: BackendArgs,
@@ -34,15 +37,20 @@ pub(super) struct Args {
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     args.sampling.check_method()?;
+    args.gather.check(&args.sampling)?;
     for file in std::iter::once(&args.output).chain(&args.tone.png) {
         check_folder(file)?;
     }
     let mut stages = Stages::new();
     let (scene, _) = read_scene(&args.scene, args.size, &args.talk, &mut stages)?;
     let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
+    let estimator = args.gather.estimator(&args.sampling, &*opened.session, false)?;
     let settings = args.sampling.settings();
     let bar = Bar::new(&args.talk);
-    let outcome = driver::image(&*opened.session, &settings, &bar)?;
+    let outcome = match &estimator {
+        Estimator::Path => driver::image(&*opened.session, &settings, &bar)?,
+        Estimator::Photon(gather) => driver::photon_image(&*opened.session, &settings, gather, &bar)?,
+    };
     bar.finish();
     stages.done("sample");
     warn_about(&outcome);
@@ -51,9 +59,8 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         return Ok(ExitCode::from(INTERRUPTED));
     }
     // What decides the bits, and nothing else: no times, no threads.
-    let metadata = json!({
+    let mut metadata = json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "method": "path",
         "backend": opened.info.name,
         "scene_hash": opened.hash,
         "seed": settings.seed,
@@ -61,23 +68,28 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         "block_length": outcome.film.settings().block_length,
         "max_depth": args.sampling.max_depth,
     });
+    if let Some(map) = metadata.as_object_mut() {
+        args.gather.describe(&estimator, &settings, map);
+    }
     let image = image_of(&outcome, metadata.to_string());
     write_image(&image, &args.output, args.tone.png.as_deref(), args.tone.settings())?;
     stages.done("write");
 
     if args.talk.json {
         let mut map = report(&opened, &outcome, settings.seed, &stages);
-        map.insert("method".into(), json!("path"));
+        args.gather.describe(&estimator, &settings, &mut map);
+        estimator.count(&outcome, &settings, &mut map);
         map.insert("width".into(), json!(image.width));
         map.insert("height".into(), json!(image.height));
         map.insert("output".into(), json!(args.output));
         println!("{}", serde_json::Value::Object(map));
     } else if !args.talk.quiet {
         println!(
-            "{}: {}x{}, {}",
+            "{}: {}x{}, {}{}",
             args.output.display(),
             image.width,
             image.height,
+            estimator.words(&outcome, &settings),
             summary(&outcome, &stages)
         );
         if let Some(png) = &args.tone.png {

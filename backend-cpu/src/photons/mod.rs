@@ -1,6 +1,7 @@
 //! Illumination maps by photons over a pool of threads.
 
 mod direct;
+mod gather;
 mod starts;
 mod sums;
 mod walk;
@@ -9,20 +10,22 @@ mod wave;
 use crate::tree::Tree;
 use etendue_core::backend::{BackendError, Control, JobStats, PhotonJob, PhotonStart};
 use etendue_core::film::Film;
+use etendue_core::geometry::Hit;
 use etendue_core::illumination::{Elements, FluxUnit};
 use etendue_core::sampling::numbers::Numbers;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::TransportCode;
 use etendue_core::transport::first_shot::FirstShot;
-use etendue_core::transport::photon::{LightPlan, Sequence};
+use etendue_core::transport::photon::{Arrival, LightPlan, Sequence};
 use etendue_core::with_photon_tracer;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 pub(crate) use direct::direct;
+pub(crate) use gather::{Target, gather};
 pub(crate) use starts::first_shot;
 use starts::{Replicate, Source};
-use sums::Sums;
+use sums::{Part, Sums};
 
 /// Photons of one task, and between two looks at the control.
 const TASK: u32 = 1 << 12;
@@ -36,6 +39,24 @@ struct Shared<'a> {
     job: &'a PhotonJob,
     unit: FluxUnit,
     sums: &'a Sums,
+    /// Where the second sums of caustics begin, if they are kept.
+    caustics: Option<u32>,
+}
+
+impl Shared<'_> {
+    /// Registers an arrival.
+    #[inline(always)]
+    fn register(&self, hit: &Hit, a: &Arrival, sums: &mut Part) {
+        self.elements.deposit(hit, a.from_front, |element, factor| {
+            let flux = a.flux * factor;
+            sums.add(element, flux, self.unit);
+            if let Some(first) = self.caustics
+                && a.caustic
+            {
+                sums.add(first + element, flux, self.unit);
+            }
+        });
+    }
 }
 
 /// Counts what is done, and passes on that it shall stop.
@@ -98,41 +119,86 @@ fn replicate(
     });
 }
 
-/// Runs a job; the film is changed at the end or not at all. `shot` is the density of a job that starts on surfaces.
-pub(crate) fn run(
-    pool: &rayon::ThreadPool,
-    (scene, tree, elements, shot): (&CompiledScene, &Tree, &Elements, Option<&FirstShot>),
-    code: TransportCode,
-    job: &PhotonJob,
-    control: &dyn Control,
-    film: &mut Film,
-) -> Result<JobStats, BackendError> {
-    let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
-    let source = match (&job.start, shot) {
-        (PhotonStart::Surfaces { .. }, Some(shot)) => Source::Surfaces(shot),
-        (PhotonStart::Surfaces { .. }, None) => {
-            return Err(BackendError::BadJob { reason: "no density of starts" });
-        }
-        (PhotonStart::Lights { registers_direct, survives_first }, _) => Source::Lights {
-            plan: &plan,
-            registers_direct: *registers_direct,
-            survives_first: *survives_first,
-        },
-    };
-    let total = plan.total().into_iter().fold(0.0, f64::max);
-    let unit = FluxUnit::new(total, job.photons);
-    let mut sums = Sums::new(pool, elements.count());
-    let mut part = Film::new(*film.settings());
-    let all = u64::from(job.replicates.end - job.replicates.start) * u64::from(job.photons);
-    let meter = Meter::new(control, all);
-    for number in job.replicates.clone() {
-        let shared = Shared { scene, tree, elements, source, job, unit, sums: &sums };
-        replicate(pool, code, &shared, number, &meter);
+/// What photons of a job need to walk.
+#[derive(Clone, Copy)]
+pub(crate) struct Photons<'a> {
+    pub scene: &'a CompiledScene,
+    pub tree: &'a Tree,
+    pub elements: &'a Elements,
+    pub code: TransportCode,
+    pub job: &'a PhotonJob,
+    /// The density of a job that starts on surfaces.
+    pub shot: Option<&'a FirstShot>,
+}
+
+/// Makes a job's maps, one after another.
+struct Maps<'a> {
+    pool: &'a rayon::ThreadPool,
+    photons: Photons<'a>,
+    source: Source<'a>,
+    unit: FluxUnit,
+    sums: Sums,
+    caustics: Option<u32>,
+}
+
+impl<'a> Maps<'a> {
+    /// With a second set of sums for caustics, behind the first, or without.
+    fn new(
+        pool: &'a rayon::ThreadPool,
+        photons: Photons<'a>,
+        plan: &'a LightPlan,
+        caustics: bool,
+    ) -> Result<Self, BackendError> {
+        let source = match (&photons.job.start, photons.shot) {
+            (PhotonStart::Surfaces { .. }, Some(shot)) => Source::Surfaces(shot),
+            (PhotonStart::Surfaces { .. }, None) => {
+                return Err(BackendError::BadJob { reason: "no density of starts" });
+            }
+            (PhotonStart::Lights { registers_direct, survives_first }, _) => {
+                Source::Lights { plan, registers_direct: *registers_direct, survives_first: *survives_first }
+            }
+        };
+        let total = plan.total().into_iter().fold(0.0, f64::max);
+        let count = photons.elements.count();
+        Ok(Self {
+            pool,
+            photons,
+            source,
+            unit: FluxUnit::new(total, photons.job.photons),
+            sums: Sums::new(pool, if caustics { 2 * count } else { count }),
+            caustics: caustics.then_some(count as u32),
+        })
+    }
+
+    /// Irradiance \[W/m^2\] per element by one replicate.
+    fn make(&mut self, number: u32, meter: &Meter<'_>) -> Result<Vec<[f64; 3]>, BackendError> {
+        let Photons { scene, tree, elements, code, job, .. } = self.photons;
+        let (source, unit, caustics) = (self.source, self.unit, self.caustics);
+        let shared = Shared { scene, tree, elements, source, job, unit, sums: &self.sums, caustics };
+        replicate(self.pool, code, &shared, number, meter);
         if meter.stopped() {
             return Err(BackendError::Cancelled);
         }
-        let means = pool.install(|| sums.take(elements, unit));
-        part.add_blocks(number..number + 1, &means)?;
+        let sums = &mut self.sums;
+        Ok(self.pool.install(|| sums.take(elements, unit)))
+    }
+}
+
+/// Runs a job; the film is changed at the end or not at all.
+pub(crate) fn run(
+    pool: &rayon::ThreadPool,
+    photons: Photons<'_>,
+    control: &dyn Control,
+    film: &mut Film,
+) -> Result<JobStats, BackendError> {
+    let plan = LightPlan::new(photons.scene).map_err(|_| BackendError::Dark)?;
+    let mut maps = Maps::new(pool, photons, &plan, false)?;
+    let mut part = Film::new(*film.settings());
+    let job = photons.job;
+    let all = u64::from(job.replicates.end - job.replicates.start) * u64::from(job.photons);
+    let meter = Meter::new(control, all);
+    for number in job.replicates.clone() {
+        part.add_blocks(number..number + 1, &maps.make(number, &meter)?)?;
     }
     film.merge(&part)?;
     Ok(JobStats { rays: meter.rays.into_inner(), paths: all, hits: meter.hits.into_inner() })

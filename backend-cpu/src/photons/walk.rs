@@ -24,9 +24,7 @@ widest! {
             while let Some((surface, arrival)) = tracer.land(&photon, &hit) {
                 if let Some(a) = arrival {
                     hits += 1;
-                    shared.elements.deposit(&hit, a.from_front, |element, factor| {
-                        sums.add(element, a.flux * factor, shared.unit);
-                    });
+                    shared.register(&hit, &a, sums);
                 }
                 let [u, v, lobe, survive] = numbers.group4(WALK_GROUP.wrapping_add(photon.hits));
                 let chance = tracer.scatter(&mut photon, &surface, [u, v], lobe);

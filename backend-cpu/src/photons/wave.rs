@@ -69,9 +69,7 @@ widest! {
             let Some((surface, arrival)) = tracer.land(&photon, &hit) else { continue };
             if let Some(a) = arrival {
                 hits += 1;
-                shared.elements.deposit(&hit, a.from_front, |element, factor| {
-                    sums.add(element, a.flux * factor, shared.unit);
-                });
+                shared.register(&hit, &a, sums);
             }
             let [u, v, lobe, _] = numbers.with_index((rank + i) as u32).group4(group);
             let chance = tracer.scatter(&mut photon, &surface, [u, v], lobe);

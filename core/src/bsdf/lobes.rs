@@ -43,7 +43,7 @@ impl Lobes {
 
     /// Probability of choosing the diffuse lobe: its share of the mean reflectance.
     #[inline]
-    fn diffuse_share(&self) -> f32 {
+    pub(crate) fn diffuse_share(&self) -> f32 {
         let (d, s) = (math::mean(self.albedo), math::mean(self.specular));
         if d + s > 0.0 { d / (d + s) } else { 1.0 }
     }

@@ -4,6 +4,7 @@
 //! estimator knows how rays are traced.
 
 pub mod first_shot;
+pub mod gather;
 pub mod mis;
 pub mod path;
 pub mod photon;
@@ -11,7 +12,7 @@ mod surface;
 
 use crate::geometry::{Hit, Intersector, Ray};
 
-pub use surface::{Surface, TransportCode, resolve_probe, surface_at};
+pub use surface::{Surface, TransportCode, place_probe, resolve_probe, surface_at};
 
 /// What an estimator wants to know next.
 #[derive(Clone, Copy, Debug, PartialEq)]

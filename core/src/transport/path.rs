@@ -16,11 +16,11 @@ use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, NO_INDEX};
 
 /// Number of edges after which roulette begins.
-const ROULETTE_FROM: u32 = 5;
+pub(super) const ROULETTE_FROM: u32 = 5;
 /// Largest probability of surviving the roulette.
-const SURVIVAL_MAX: f32 = 0.95;
+pub(super) const SURVIVAL_MAX: f32 = 0.95;
 /// Group of sample dimensions for the pixel and the lens.
-const SENSOR_GROUP: u32 = 0;
+pub(super) const SENSOR_GROUP: u32 = 0;
 
 /// The path tracer for one scene, with the code that it needs (see [`super::TransportCode`]).
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ pub struct PathState {
     depth: u32,
 }
 
-const NO_RAY: Ray = Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0 };
+pub(super) const NO_RAY: Ray = Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0 };
 
 impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     PathTracer<'a, LOBES, TEXTURES, SHADING>
@@ -271,14 +271,14 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
 
 /// Sum of samples in their order, and of their rays.
 #[derive(Default)]
-struct BlockSum {
+pub(super) struct BlockSum {
     sum: [f64; 3],
     rays: u64,
 }
 
 impl BlockSum {
     #[inline(always)]
-    fn add(&mut self, (value, rays): (Vec3, u32)) {
+    pub(super) fn add(&mut self, (value, rays): (Vec3, u32)) {
         self.rays += u64::from(rays);
         for (s, x) in self.sum.iter_mut().zip(value.to_array()) {
             *s += f64::from(x);
@@ -287,7 +287,7 @@ impl BlockSum {
 
     /// Mean of `length` samples (a power of two, so that the division is exact), and the sum of their rays.
     #[inline(always)]
-    fn mean(&self, length: u32) -> ([f64; 3], u64) {
+    pub(super) fn mean(&self, length: u32) -> ([f64; 3], u64) {
         (self.sum.map(|s| s / f64::from(length.max(1))), self.rays)
     }
 }

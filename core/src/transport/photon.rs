@@ -53,6 +53,8 @@ pub struct Photon {
     pub light: u32,
     /// Whether its first arrival is registered: not where direct light is known in closed form.
     pub registers_first: bool,
+    /// Whether it comes from a light without size and has met mirrors alone: light that no ray back from the sensor finds.
+    pub caustic: bool,
     /// Whether it survives its first hit whatever the albedo, and is weighted by it instead.
     pub survives_first: bool,
 }
@@ -61,7 +63,15 @@ impl Photon {
     /// A photon on its first flight, whose first arrival counts.
     #[inline]
     pub fn new(ray: Ray, flux: Vec3) -> Self {
-        Self { flux, ray, hits: 0, light: NO_INDEX, registers_first: true, survives_first: false }
+        Self {
+            flux,
+            ray,
+            hits: 0,
+            light: NO_INDEX,
+            registers_first: true,
+            caustic: false,
+            survives_first: false,
+        }
     }
 }
 
@@ -70,6 +80,8 @@ impl Photon {
 pub struct Arrival {
     /// At the front of the surface.
     pub from_front: bool,
+    /// Straight from a light without size, but for mirrors.
+    pub caustic: bool,
     /// Flux per channel \[W\], as if the photon were the only one.
     pub flux: Vec3,
 }
@@ -120,7 +132,7 @@ impl LightPlan {
             None => (emit::emit_environment(Vec3::from_array(scene.environment), self.sphere, u), false),
         };
         let photon = Photon::new(emission.ray, emission.flux / pick.pmf);
-        Photon { registers_first: registers_direct || !point_like, ..photon }
+        Photon { registers_first: registers_direct || !point_like, caustic: point_like, ..photon }
     }
 }
 
@@ -153,7 +165,11 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         }
         let surface = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &photon.ray, hit)?;
         let counts = photon.hits > 0 || photon.registers_first;
-        let arrival = counts.then_some(Arrival { from_front: surface.from_front, flux: photon.flux });
+        let arrival = counts.then_some(Arrival {
+            from_front: surface.from_front,
+            caustic: photon.caustic,
+            flux: photon.flux,
+        });
         Some((surface, arrival))
     }
 
@@ -164,6 +180,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     #[inline(always)]
     pub fn scatter(&self, photon: &mut Photon, surface: &Surface, u: [f32; 2], lobe: f32) -> f32 {
         photon.hits += 1;
+        photon.caustic &= LOBES && surface.lobes.mirror;
         if photon.hits >= self.max_hits {
             return 0.0;
         }

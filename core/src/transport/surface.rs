@@ -1,5 +1,6 @@
 //! What a ray finds at a hit: point, normals, lobes, emission.
 
+use super::gather::ProbePlace;
 use crate::bsdf::Lobes;
 use crate::geometry::{
     Hit, Intersector, PrimitiveId, Ray, SurfacePoint, hit_point_with, offset_origin, shape_normal,
@@ -161,24 +162,50 @@ fn interpolated_normal(
     (n.dot(wo) > 0.0).then_some(n)
 }
 
-/// A probe as a surface point: the extent is that of the surface on which it lies, found by one short ray, so that
-/// rays leave it as they would leave the surface itself. A probe in mid-air has none.
+/// A probe as a surface point; see [`place_probe`].
 pub fn resolve_probe<I: Intersector + ?Sized>(
     scene: &CompiledScene,
     intersector: &I,
     position: Vec3,
     normal: Vec3,
 ) -> SurfacePoint {
-    let free = SurfacePoint { position, extent: 0.0 };
+    place_probe(scene, intersector, position, normal).point
+}
+
+/// How far beneath a probe the surface may lie that it is meant for, in radii of the scene.
+const PROBE_REACH: f32 = 1e-3;
+
+/// A probe on the surface on which it lies, found by one short ray. Its extent is that of the surface, so that rays leave it as they would leave the
+/// surface itself. A probe in mid-air has no extent; what lies beneath it within a thousandth of the scene's radius is still its surface for a map.
+pub fn place_probe<I: Intersector + ?Sized>(
+    scene: &CompiledScene,
+    intersector: &I,
+    position: Vec3,
+    normal: Vec3,
+) -> ProbePlace {
     let (_, radius) = scene.bounding_sphere();
     // Twice what the largest conceivable surface of the scene would ask for.
     let widest = SurfacePoint { position, extent: 4.0 * radius };
     let start = offset_origin(&widest, normal, normal);
     let ray = Ray { origin: start, direction: (position - start) * 2.0, t_max: 1.0 };
-    match intersector.closest_hit(&ray) {
-        Some(hit) => SurfacePoint { position, extent: extent_of(scene, hit.primitive, position) },
-        None => free,
+    let side = |ray: &Ray, hit: &Hit| front_of(scene, ray, hit).is_none_or(|front| normal.dot(front) >= 0.0);
+    if let Some(hit) = intersector.closest_hit(&ray) {
+        let point = SurfacePoint { position, extent: extent_of(scene, hit.primitive, position) };
+        return ProbePlace { point, normal, hit: Some((hit, side(&ray, &hit))) };
     }
+    let down = Ray { origin: position, direction: -normal, t_max: PROBE_REACH * radius };
+    let hit = intersector.closest_hit(&down).map(|hit| (hit, side(&down, &hit)));
+    ProbePlace { point: SurfacePoint { position, extent: 0.0 }, normal, hit }
+}
+
+/// Unit geometric normal of the front at a hit.
+fn front_of(scene: &CompiledScene, ray: &Ray, hit: &Hit) -> Option<Vec3> {
+    if scene.triangles.get(hit.primitive as usize).is_some() {
+        return scene.surfaces.get(hit.primitive as usize).map(|s| Vec3::from_array(s.normal));
+    }
+    let primitives = scene.primitives();
+    let shape = primitives.shape(hit.primitive)?;
+    shape_normal(shape, shape_point(shape, ray.origin + ray.direction * hit.t).position)
 }
 
 fn extent_of(scene: &CompiledScene, primitive: PrimitiveId, p: Vec3) -> f32 {

@@ -212,7 +212,8 @@ impl FirstShot {
             // The density is linear, and so a little more than nothing beyond a spot's cone or in a shadow's edge: what starts there counts.
             (piece_flux(colour(light), piece.weights, piece.area, pick.pmf), None)
         };
-        let photon = Photon { registers_first: false, survives_first: true, ..Photon::new(ray, flux) };
+        let photon =
+            Photon { registers_first: false, caustic: true, survives_first: true, ..Photon::new(ray, flux) };
         Some(Start::Lands { photon, hit, look })
     }
 
@@ -224,9 +225,16 @@ impl FirstShot {
         let e = emit::emit(light, self.sphere, u);
         let photon = Photon::new(e.ray, e.flux / pmf);
         if entry.shared {
-            return Photon { light: entry.light, registers_first: false, survives_first: true, ..photon };
+            return Photon {
+                light: entry.light,
+                registers_first: false,
+                caustic: true,
+                survives_first: true,
+                ..photon
+            };
         }
-        Photon { registers_first: !emit::is_point_like(light), ..photon }
+        let point_like = emit::is_point_like(light);
+        Photon { registers_first: !point_like, caustic: point_like, ..photon }
     }
 
     /// Weighs a photon that has come straight from a light with pieces against a start where it has landed (the balance heuristic).

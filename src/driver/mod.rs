@@ -6,16 +6,18 @@
 
 #![allow(clippy::disallowed_methods, reason = "estimates of error for people, in f64: no kernel")]
 
+mod photon;
+
 use crate::metrics::statistics;
-use etendue_core::backend::{
-    self, BackendError, Control, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session,
-};
+use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session};
 use etendue_core::film::Film;
-use etendue_core::illumination::{ElementSettings, Elements};
-use etendue_core::transport::first_shot::{FirstShotError, Subdivision, Weights};
-use etendue_core::transport::photon::Sequence;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
+
+pub use photon::{
+    GatherSettings, PhotonSettings, choose_start, direct_irradiance, element_size, illumination,
+    photon_image, photon_probes, photons_per_block, photons_per_replicate,
+};
 
 /// Shortest block of samples.
 pub const BLOCK_MIN: u32 = 16;
@@ -153,109 +155,6 @@ pub fn probes(
     let film = Film::new(backend::probe_film_settings(session.scene(), &first, probes.len()));
     drive(film, first, settings.budget, watcher, &even, |job, control, film| {
         session.path_probes(job, probes, control, film)
-    })
-}
-
-/// Photons of a replicate: about a sixteenth of all where their number is known, a power of two, and never so few that adding the replicate up
-/// costs more than its photons.
-pub fn photons_per_replicate(budget: Budget) -> u32 {
-    const RANGE: [u64; 2] = [1 << 10, 1 << 22];
-    match budget {
-        Budget::Samples(n) => 1 << (n / 16).clamp(RANGE[0], RANGE[1]).ilog2(),
-        Budget::Seconds(_) | Budget::Error(_) => 1 << 16,
-    }
-}
-
-/// How photons are traced and summed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PhotonSettings {
-    /// Where they start.
-    pub start: PhotonStart,
-    /// Where their numbers come from.
-    pub sequence: Sequence,
-    /// What the map is divided into.
-    pub elements: ElementSettings,
-}
-
-/// Photons that are expected of a budget that does not say.
-fn expected_photons(budget: Budget) -> u64 {
-    match budget {
-        Budget::Samples(n) => n,
-        // Half a million a second and core is common; the choice is no closer than that.
-        Budget::Seconds(seconds) => (seconds * 1e6) as u64,
-        Budget::Error(_) => 1 << 22,
-    }
-}
-
-/// Where photons should start for the least cost: on surfaces where what that saves, forecast for the budget, is more than what it takes to prepare.
-/// Depends on the scene and the budget, not on the machine.
-///
-/// # Errors
-/// When the scene needs more than surfaces, or nothing emits.
-pub fn choose_start(session: &dyn Session, budget: Budget) -> Result<PhotonStart, BackendError> {
-    let weights = Weights::EXACT;
-    let subdivision = Subdivision::robust(weights);
-    match session.forecast(&subdivision, expected_photons(budget)) {
-        Ok(forecast) if forecast.surfaces_pay() => {
-            tracing::debug!(?forecast, "photons start on surfaces");
-            Ok(PhotonStart::Surfaces { subdivision, weights })
-        }
-        Ok(forecast) => {
-            tracing::debug!(?forecast, "photons start at the lights");
-            Ok(PhotonStart::LIGHTS)
-        }
-        Err(BackendError::FirstShot(FirstShotError::RoundShapes { .. } | FirstShotError::Table)) => {
-            Ok(PhotonStart::LIGHTS)
-        }
-        Err(BackendError::FirstShot(FirstShotError::Dark)) => Err(BackendError::Dark),
-        Err(e) => Err(e),
-    }
-}
-
-/// Irradiance on elements of the scene's surfaces by photons; for the rest of light, start them so that the direct light of lights without size does not count. The budget counts photons;
-/// errors are weighted by area.
-///
-/// # Errors
-/// As [`Session::illumination`]; being stopped is no error.
-pub fn illumination(
-    session: &dyn Session,
-    settings: &Settings,
-    photons: &PhotonSettings,
-    watcher: &dyn Watcher,
-) -> Result<Outcome, BackendError> {
-    let of = |job: &PathJob| PhotonJob {
-        seed: job.seed,
-        photons: job.block_length,
-        replicates: job.blocks.clone(),
-        max_hits: job.max_depth,
-        start: photons.start,
-        sequence: photons.sequence,
-        elements: photons.elements,
-    };
-    let block_length = photons_per_replicate(settings.budget);
-    let first = PathJob { seed: settings.seed, block_length, blocks: 0..0, max_depth: settings.max_depth };
-    let elements = Elements::new(session.scene(), photons.elements);
-    let film = Film::new(backend::illumination_film_settings(session.scene(), &elements, &of(&first))?);
-    drive(film, first, settings.budget, watcher, &|i| elements.weight(i), |job, control, film| {
-        session.illumination(&of(job), control, film)
-    })
-}
-
-/// Direct irradiance of lights without size on elements, from 16 points on each division: four nets of four.
-///
-/// # Errors
-/// As [`Session::direct_irradiance`]; being stopped is no error.
-pub fn direct_irradiance(
-    session: &dyn Session,
-    seed: u64,
-    elements: &ElementSettings,
-    watcher: &dyn Watcher,
-) -> Result<Outcome, BackendError> {
-    let first = PathJob { seed, block_length: 4, blocks: 0..0, max_depth: 1 };
-    let divided = Elements::new(session.scene(), *elements);
-    let film = Film::new(backend::direct_film_settings(session.scene(), &divided, &first));
-    drive(film, first, Budget::Samples(16), watcher, &|i| divided.weight(i), |job, control, film| {
-        session.direct_irradiance(job, elements, control, film)
     })
 }
 

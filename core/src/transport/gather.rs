@@ -1,0 +1,501 @@
+//! Images and irradiance from an illumination map, by tracing back from the sensor.
+//!
+//! Estimates radiance \[W m^-2 sr^-1\] along camera rays, or irradiance \[W/m^2\] at probes, where a map of photons ([`crate::illumination`]) knows the light that
+//! has been scattered. Who brings which light, so that each path from a light counts once:
+//!
+//! - The **map** holds all arrivals but the first of lights without size (point, spot, directional); first arrivals of emissive surfaces and of the environment are
+//!   in it.
+//! - **Reading** at a vertex x: albedo / pi times (the map at x + the direct irradiance of lights without size, in closed form but for its shadow rays). The
+//!   map knows nothing of directions, so that it answers for the diffuse part alone. A Phong lobe takes the direct light of lights without size by its value, one
+//!   sample of surface lights, and is followed by a ray of its own; mirrors are followed. That ray, and no map, brings what it finds: emission (surfaces by
+//!   the power heuristic against the sample; after a mirror all of it; the environment all of it) and what is read where it lands.
+//! - **Final gather** (one bounce): the first vertex that is no mirror is not read. One light is sampled there for all lobes, and one direction of one lobe, chosen by its
+//!   share of the reflectance. A diffuse direction is the gather ray: where it lands, through mirrors too, is read as above. A Phong direction only
+//!   moves the vertex at which is gathered. Each lobe is an integral of its own, whose direction competes with the light sample by the power heuristic. What
+//!   the gather ray meets is emission (direct light of x, the other half of the heuristic), or a surface whose reading is light with one more vertex.
+//!   The one thing that neither finds is a light without size seen through mirrors alone: such arrivals are summed a second time, by themselves, and
+//!   read at x ([`crate::transport::photon::Photon::caustic`]).
+//!
+//! What stays out: a light without size that a Phong lobe sees through a mirror (no direction meets it; path tracing misses it, too).
+//!
+//! Accuracy: unbiased but for the map's elements, within which irradiance is constant or linear. Without the final gather they are seen as they are; with it their
+//! error is averaged over what x sees. Where normals are interpolated the map still holds the irradiance of the flat faces.
+//!
+//! Numbers come in the groups of [`super::path`]: the sensor first, then two groups an edge. Roulette is that of path tracing, from the fifth edge.
+//! Source: H. W. Jensen, "Realistic Image Synthesis Using Photon Mapping" (2001), chapter 8, for the parts; his map is another.
+
+use super::path::{BlockSum, NO_RAY, ROULETTE_FROM, SENSOR_GROUP, SURVIVAL_MAX};
+use super::{Surface, mis, surface_at};
+use crate::bsdf::{Lobes, diffuse, phong};
+use crate::geometry::{Hit, Intersector, Ray, SurfacePoint};
+use crate::illumination::Elements;
+use crate::light::{self, LightSample, emit};
+use crate::math::{self, INV_PI, PI, Vec3};
+use crate::sampling::discrete::IntegerCdf;
+use crate::sampling::sobol::BlockSampler;
+use crate::scene::{CompiledScene, LightRecord, NO_INDEX};
+use alloc::vec::Vec;
+
+/// Some of a scene's lights, to choose one by flux.
+#[derive(Clone, Debug)]
+struct Choice {
+    lights: Vec<u32>,
+    cdf: Option<IntegerCdf>,
+}
+
+impl Choice {
+    fn new(scene: &CompiledScene, of: impl Fn(&LightRecord) -> bool) -> Self {
+        let lights: Vec<u32> = (0..scene.lights.len() as u32)
+            .filter(|i| of(&scene.lights[*i as usize]) && scene.lights[*i as usize].pmf > 0.0)
+            .collect();
+        let weights: Vec<f32> = lights.iter().map(|i| scene.lights[*i as usize].pmf).collect();
+        Self { lights, cdf: IntegerCdf::try_new(&weights).ok() }
+    }
+
+    /// The light that a random word chooses, and by how much its own chance, by which its samples are divided, exceeds that of this choice.
+    #[inline(always)]
+    fn pick<'s>(&self, scene: &'s CompiledScene, word: u32) -> Option<(&'s LightRecord, f32)> {
+        let pick = self.cdf.as_ref()?.pick(word);
+        let light = scene.lights.get(*self.lights.get(pick.index as usize)? as usize)?;
+        Some((light, light.pmf / pick.pmf))
+    }
+}
+
+/// The lights of a scene as they are sampled here: those without size, and those that are surfaces.
+#[derive(Clone, Debug)]
+pub struct GatherLights {
+    point_like: Choice,
+    surfaces: Choice,
+    /// Chance of a surface light to be chosen, over its chance among all lights.
+    surface_share: f32,
+}
+
+impl GatherLights {
+    /// Those of a scene.
+    pub fn new(scene: &CompiledScene) -> Self {
+        let surfaces = Choice::new(scene, |l| !emit::is_point_like(l));
+        let all: f32 = surfaces.lights.iter().map(|i| scene.lights[*i as usize].pmf).sum();
+        let surface_share = if all > 0.0 { 1.0 / all } else { 0.0 };
+        Self { point_like: Choice::new(scene, emit::is_point_like), surfaces, surface_share }
+    }
+}
+
+/// A map to read: numbers per element.
+#[derive(Clone, Copy, Debug)]
+pub struct MapView<'a> {
+    /// Which numbers count where.
+    pub elements: &'a Elements,
+    /// Irradiance of all arrivals \[W/m^2\], one per element.
+    pub all: &'a [[f32; 3]],
+    /// Of it, what came from lights without size by mirrors alone; empty where there are no such lights or mirrors.
+    pub caustics: &'a [[f32; 3]],
+}
+
+/// A probe where it lies on the scene's surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbePlace {
+    /// Where, with the extent that scales its rounding.
+    pub point: SurfacePoint,
+    /// Unit normal of the receiving side.
+    pub normal: Vec3,
+    /// The surface that is there, if one is, and whether the normal is on the side of its front.
+    pub hit: Option<(Hit, bool)>,
+}
+
+/// What a ray brings, followed back from the sensor.
+#[derive(Clone, Copy, Debug)]
+struct Walk {
+    sampler: BlockSampler,
+    radiance: Vec3,
+    /// Product of f cos / pdf along the path.
+    throughput: Vec3,
+    ray: Ray,
+    /// Density per solid angle of the ray's direction; 0 where light sampling did not compete with it.
+    pdf: f32,
+    /// Where the ray's direction was scattered.
+    vertex: Vec3,
+    /// Edges of the path up to and including the ray.
+    depth: u32,
+    /// The final gather is still to come.
+    gathers: bool,
+    /// No diffuse surface lies between here and the sensor.
+    seen: bool,
+    rays: u32,
+}
+
+/// The tracer back from the sensor for one scene, with the code that it needs (see [`super::TransportCode`]).
+#[derive(Clone, Copy, Debug)]
+pub struct GatherTracer<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
+    scene: &'a CompiledScene,
+    lights: &'a GatherLights,
+    max_depth: u32,
+    gather: bool,
+}
+
+impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
+    GatherTracer<'a, LOBES, TEXTURES, SHADING>
+{
+    /// A tracer of at most `max_depth` edges from the sensor to a lamp or, with those of its photons, to the map; with or without a final gather.
+    pub fn new(scene: &'a CompiledScene, lights: &'a GatherLights, max_depth: u32, gather: bool) -> Self {
+        Self { scene, lights, max_depth, gather }
+    }
+
+    /// Mean of one block of camera rays through a pixel, summed in the order of the samples; and the rays it took.
+    #[inline(always)]
+    pub fn pixel_block<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        map: &MapView<'_>,
+        [x, y]: [u32; 2],
+        seed: u64,
+        block: u32,
+        block_length: u32,
+    ) -> ([f64; 3], u64) {
+        let mut sum = BlockSum::default();
+        let Some(camera) = &self.scene.camera else { return sum.mean(block_length) };
+        if self.max_depth == 0 {
+            return sum.mean(block_length);
+        }
+        let first = BlockSampler::new(seed, y.wrapping_mul(camera.width).wrapping_add(x), block, 0);
+        for i in 0..block_length {
+            let mut walk = self.start(first.with_index(i));
+            let [u, v, lens_u, lens_v] = if camera.lens_radius > 0.0 {
+                walk.sampler.group4(SENSOR_GROUP)
+            } else {
+                let [u, v] = walk.sampler.group2(SENSOR_GROUP);
+                [u, v, 0.0, 0.0]
+            };
+            walk.ray = camera.sample_ray(x, y, [u, v], [lens_u, lens_v]);
+            walk.depth = 1;
+            self.follow(intersector, map, &mut walk);
+            sum.add((walk.radiance, walk.rays));
+        }
+        sum.mean(block_length)
+    }
+
+    /// Mean of one block of samples of the irradiance at a probe; and the rays it took. Lights without size are the same for all samples and are looked at once;
+    /// without a final gather that and the map at the probe, which then must lie on a surface, are all there is.
+    #[inline(always)]
+    pub fn probe_block<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        map: &MapView<'_>,
+        (index, probe): (u32, &ProbePlace),
+        seed: u64,
+        block: u32,
+        block_length: u32,
+    ) -> ([f64; 3], u64) {
+        if self.max_depth == 0 {
+            return ([0.0; 3], 0);
+        }
+        let n = probe.normal;
+        let surface = Surface {
+            point: probe.point,
+            front: n,
+            geometric: n,
+            shading: n,
+            wo: n,
+            lobes: Lobes::diffuse(Vec3::ONE),
+            light: NO_INDEX,
+            from_front: true,
+        };
+        let first = BlockSampler::new(seed, index, block, 0);
+        let mut once = Walk { throughput: Vec3::splat(PI), ..self.start(first) };
+        self.all_point_like(intersector, &mut once, &surface);
+        let values = if self.gather { map.caustics } else { map.all };
+        if let Some((hit, from_front)) = &probe.hit {
+            once.radiance += map.elements.read(values, hit, *from_front);
+        }
+        let once = (once.radiance, once.rays);
+        let mut sum = BlockSum::default();
+        if !self.gather {
+            sum.add(once);
+            return sum.mean(1);
+        }
+        for i in 0..block_length {
+            let mut walk = Walk { throughput: Vec3::splat(PI), ..self.start(first.with_index(i)) };
+            if self.spread(intersector, &mut walk, &surface) {
+                self.follow(intersector, map, &mut walk);
+            }
+            sum.add((walk.radiance, walk.rays));
+        }
+        let (mean, rays) = sum.mean(block_length);
+        let [x, y, z] = once.0.to_array().map(f64::from);
+        ([mean[0] + x, mean[1] + y, mean[2] + z], rays + u64::from(once.1))
+    }
+
+    fn start(&self, sampler: BlockSampler) -> Walk {
+        Walk {
+            sampler,
+            radiance: Vec3::ZERO,
+            throughput: Vec3::ONE,
+            ray: NO_RAY,
+            pdf: 0.0,
+            vertex: Vec3::ZERO,
+            depth: 0,
+            gathers: self.gather,
+            seen: true,
+            rays: 0,
+        }
+    }
+
+    /// Follows the ray of a walk to its end.
+    #[inline(always)]
+    fn follow<I: Intersector + ?Sized>(&self, intersector: &I, map: &MapView<'_>, walk: &mut Walk) {
+        loop {
+            walk.rays += 1;
+            let Some(hit) = intersector.closest_hit(&walk.ray) else {
+                walk.radiance += walk.throughput * Vec3::from_array(self.scene.environment);
+                return;
+            };
+            let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &walk.ray, &hit) else {
+                return;
+            };
+            if surface.light != NO_INDEX && surface.from_front {
+                self.add_emission(walk, &surface, hit.t);
+            }
+            if walk.depth >= self.max_depth {
+                return;
+            }
+            let goes_on = if LOBES && surface.lobes.mirror {
+                self.reflect(walk, &surface)
+            } else if walk.gathers {
+                self.gather_at(intersector, map, walk, &surface, &hit)
+            } else {
+                self.read_at(intersector, map, walk, &surface, &hit)
+            };
+            if !goes_on {
+                return;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_emission(&self, walk: &mut Walk, surface: &Surface, t: f32) {
+        let Some(light) = self.scene.lights.get(surface.light as usize) else { return };
+        let weight = if walk.pdf > 0.0 {
+            let wi = walk.ray.direction;
+            let other = light::pdf_solid_angle(light, walk.vertex, wi, t, surface.front);
+            mis::power_heuristic(walk.pdf, other * self.lights.surface_share)
+        } else {
+            1.0
+        };
+        walk.radiance += walk.throughput * Vec3::from_array(light.radiance) * weight;
+    }
+
+    fn reflect(&self, walk: &mut Walk, surface: &Surface) -> bool {
+        let [.., survive] = walk.sampler.group4(2 + 2 * walk.depth);
+        match surface.lobes.sample(surface.shading, surface.wo, [0.0; 2], 0.0) {
+            Some(s) => self.go(walk, surface, s.wi, s.weight, 0.0, survive),
+            None => false,
+        }
+    }
+
+    /// A vertex where the light is gathered: all of it by rays, but what lights without size send through mirrors.
+    #[inline(always)]
+    fn gather_at<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        map: &MapView<'_>,
+        walk: &mut Walk,
+        surface: &Surface,
+        hit: &Hit,
+    ) -> bool {
+        if LOBES && !map.caustics.is_empty() {
+            let irradiance = map.elements.read(map.caustics, hit, surface.from_front);
+            walk.radiance += walk.throughput * surface.lobes.albedo * INV_PI * irradiance;
+        }
+        self.one_point_like(intersector, walk, surface);
+        self.spread(intersector, walk, surface)
+    }
+
+    /// Samples a surface light and a direction of one lobe.
+    #[inline(always)]
+    fn spread<I: Intersector + ?Sized>(&self, intersector: &I, walk: &mut Walk, surface: &Surface) -> bool {
+        let share = if LOBES { surface.lobes.diffuse_share() } else { 1.0 };
+        self.surface_light(intersector, walk, surface, [share, 1.0 - share]);
+        let [u, v, lobe, survive] = walk.sampler.group4(2 + 2 * walk.depth);
+        if LOBES && lobe >= share {
+            return self.phong_ray(walk, surface, 1.0 - share, [u, v], survive);
+        }
+        let wi = diffuse::sample(surface.shading, [u, v]);
+        let pdf = share * diffuse::pdf_solid_angle(surface.shading, wi);
+        walk.gathers = false;
+        walk.seen = false;
+        self.go(walk, surface, wi, surface.lobes.albedo / share, pdf, survive)
+    }
+
+    /// A vertex where the map and the lights without size are read.
+    #[inline(always)]
+    fn read_at<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        map: &MapView<'_>,
+        walk: &mut Walk,
+        surface: &Surface,
+        hit: &Hit,
+    ) -> bool {
+        let lobes = &surface.lobes;
+        if lobes.albedo != Vec3::ZERO {
+            let irradiance = map.elements.read(map.all, hit, surface.from_front);
+            walk.radiance += walk.throughput * lobes.albedo * INV_PI * irradiance;
+        }
+        if walk.seen {
+            self.all_point_like(intersector, walk, surface);
+        } else {
+            self.one_point_like(intersector, walk, surface);
+        }
+        if !LOBES || lobes.specular == Vec3::ZERO {
+            return false;
+        }
+        self.surface_light(intersector, walk, surface, [0.0, 1.0]);
+        let [u, v, _, survive] = walk.sampler.group4(2 + 2 * walk.depth);
+        self.phong_ray(walk, surface, 1.0, [u, v], survive)
+    }
+
+    /// A direction of the Phong lobe, which was chosen with the given chance.
+    #[inline(always)]
+    fn phong_ray(&self, walk: &mut Walk, surface: &Surface, chance: f32, u: [f32; 2], survive: f32) -> bool {
+        let (lobes, n, wo) = (&surface.lobes, surface.shading, surface.wo);
+        let wi = phong::sample(lobes.exponent, n, wo, u);
+        let density = phong::pdf_solid_angle(lobes.exponent, n, wo, wi);
+        let cos = wi.dot(n);
+        if !(cos > 0.0 && density > 0.0) {
+            return false;
+        }
+        // f = specular times the density.
+        self.go(walk, surface, wi, lobes.specular * (cos / chance), chance * density, survive)
+    }
+
+    /// Sends a walk on, its throughput times `weight`, if it survives the roulette.
+    #[inline(always)]
+    fn go(&self, walk: &mut Walk, surface: &Surface, wi: Vec3, weight: Vec3, pdf: f32, survive: f32) -> bool {
+        if SHADING && wi.dot(surface.geometric) <= 0.0 {
+            return false;
+        }
+        let mut throughput = walk.throughput * weight;
+        if walk.depth + 1 >= ROULETTE_FROM {
+            let q = math::max_component(weight).min(SURVIVAL_MAX);
+            if survive >= q {
+                return false;
+            }
+            throughput /= q;
+        } else if throughput == Vec3::ZERO {
+            return false;
+        }
+        walk.throughput = throughput;
+        walk.pdf = pdf;
+        walk.vertex = surface.leave(wi);
+        walk.ray = Ray { origin: walk.vertex, direction: wi, t_max: f32::MAX };
+        walk.depth += 1;
+        true
+    }
+
+    /// Direct light of all lights without size, by all lobes.
+    #[inline(always)]
+    fn all_point_like<I: Intersector + ?Sized>(&self, intersector: &I, walk: &mut Walk, surface: &Surface) {
+        for index in &self.lights.point_like.lights {
+            if let Some(light) = self.scene.lights.get(*index as usize) {
+                self.add_point_like(intersector, walk, surface, light, light.pmf);
+            }
+        }
+    }
+
+    /// Direct light of one light without size, chosen by flux, by all lobes.
+    #[inline(always)]
+    fn one_point_like<I: Intersector + ?Sized>(&self, intersector: &I, walk: &mut Walk, surface: &Surface) {
+        let choice = &self.lights.point_like;
+        if choice.cdf.is_none() {
+            return;
+        }
+        let [.., word] = walk.sampler.bits4(1 + 2 * walk.depth);
+        if let Some((light, factor)) = choice.pick(self.scene, word) {
+            self.add_point_like(intersector, walk, surface, light, factor);
+        }
+    }
+
+    #[inline(always)]
+    fn add_point_like<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        walk: &mut Walk,
+        surface: &Surface,
+        light: &LightRecord,
+        factor: f32,
+    ) {
+        let Some(s) = light::sample(light, surface.point.position, [0.0; 2]) else { return };
+        let f = if LOBES {
+            surface.lobes.eval(surface.shading, surface.wo, s.wi)
+        } else {
+            diffuse::eval(surface.lobes.albedo, surface.shading, s.wi)
+        };
+        self.add_sample(intersector, walk, surface, &s, f * factor);
+    }
+
+    /// One sample of a surface light for the lobes that compete with it, each with the chance to be chosen for a direction; 0: it is left out.
+    #[inline(always)]
+    fn surface_light<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        walk: &mut Walk,
+        surface: &Surface,
+        [diffuse_chance, phong_chance]: [f32; 2],
+    ) {
+        let choice = &self.lights.surfaces;
+        if choice.cdf.is_none() {
+            return;
+        }
+        let [word, u, v, _] = walk.sampler.bits4(1 + 2 * walk.depth);
+        let Some((light, factor)) = choice.pick(self.scene, word) else { return };
+        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
+        let Some(s) = light::sample(light, surface.point.position, u) else { return };
+        let (lobes, n) = (&surface.lobes, surface.shading);
+        let density = s.pdf * self.lights.surface_share;
+        let mut f = Vec3::ZERO;
+        if diffuse_chance > 0.0 {
+            let other = diffuse_chance * diffuse::pdf_solid_angle(n, s.wi);
+            f += diffuse::eval(lobes.albedo, n, s.wi) * mis::power_heuristic(density, other);
+        }
+        if LOBES && phong_chance > 0.0 && lobes.specular != Vec3::ZERO {
+            let other = phong_chance * phong::pdf_solid_angle(lobes.exponent, n, surface.wo, s.wi);
+            let value = phong::eval(lobes.specular, lobes.exponent, n, surface.wo, s.wi);
+            f += value * mis::power_heuristic(density, other);
+        }
+        self.add_sample(intersector, walk, surface, &s, f * factor);
+    }
+
+    /// Adds what a place on a light brings for a value f of the lobes, if it is in sight.
+    #[inline(always)]
+    fn add_sample<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        walk: &mut Walk,
+        surface: &Surface,
+        s: &LightSample,
+        f: Vec3,
+    ) {
+        if s.wi.dot(surface.geometric) <= 0.0 {
+            return;
+        }
+        let brings = walk.throughput * f * s.contribution * s.wi.dot(surface.shading).max(0.0);
+        if brings == Vec3::ZERO {
+            return;
+        }
+        walk.rays += 1;
+        if !intersector.occluded(&light::shadow_ray(s, &surface.point, surface.geometric)) {
+            walk.radiance += brings;
+        }
+    }
+}
+
+/// Runs `$body` with `$tracer` bound to the tracer from a map that has just the code that `$code` names.
+#[macro_export]
+macro_rules! with_gather_tracer {
+    ($code:expr, $scene:expr, $lights:expr, $max_depth:expr, $gather:expr, |$tracer:ident| $body:expr) => {{
+        use $crate::transport::gather::GatherTracer;
+        $crate::with_transport_code!(
+            $code,
+            |$tracer = GatherTracer($scene, $lights, $max_depth, $gather)| $body
+        )
+    }};
+}
