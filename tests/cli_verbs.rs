@@ -443,3 +443,45 @@ fn illuminate_writes_a_mesh_with_irradiance() {
         assert!((mean / at[c] - 1.0).abs() < 0.33, "{name}: {mean} on the wall, {} in its middle", at[c]);
     }
 }
+
+#[test]
+fn illuminate_reconstructs_when_asked() {
+    let folder = Folder::new();
+    let ply = folder.arg("map.ply");
+    let of = |photons: &str, more: &[&str]| {
+        let line = [
+            "illuminate",
+            &closed_cornell(),
+            "-o",
+            &ply,
+            "--photons",
+            photons,
+            "--element-size",
+            "0.4",
+            "--json",
+        ];
+        let report = run(&[&line[..], more].concat()).exits(0).json();
+        (report, face_properties(&ply))
+    };
+    let (report, truth) = of("8000000", &[]);
+    assert_eq!(report["reconstructed"], json!(false));
+    let (before, raw) = of("60000", &["--seed", "2"]);
+    let (after, found) = of("60000", &["--seed", "2", "--reconstruct"]);
+    assert_eq!(after["reconstructed"], json!(true));
+    assert_eq!(after["rel_error_before"], before["rel_error"]);
+    assert!(after["seconds"]["reconstruct"].is_number() && after["confidence"].is_null());
+    assert_eq!(found["direct_g"], raw["direct_g"]);
+    let sum = |of: &dyn Fn(usize) -> f32| (0..truth["indirect_g"].len()).map(of).sum::<f32>();
+    let distance = |map: &std::collections::BTreeMap<String, Vec<f32>>| {
+        let square = |i: usize| (map["indirect_g"][i] - truth["indirect_g"][i]).powi(2);
+        (sum(&square) / sum(&|i| truth["indirect_g"][i].powi(2))).sqrt()
+    };
+    let (e_raw, e_found) = (distance(&raw), distance(&found));
+    // Faces of nearly one size: the plain mean over faces is the weighted one.
+    assert!(e_found <= 0.6 * e_raw, "{e_raw} before, {e_found} after");
+    let stated = after["rel_error"].as_f64().unwrap() as f32;
+    assert!((stated / e_found - 1.0).abs() <= 0.3, "{stated} stated, {e_found} found");
+    // One replicate has no noise that is known.
+    let (one, _) = of("1", &["--reconstruct"]);
+    assert_eq!(one["reconstructed"], json!(false));
+}

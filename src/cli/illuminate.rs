@@ -9,7 +9,7 @@ use super::progress::Bar;
 use crate::driver::{self, Budget, Outcome, PhotonSettings, Settings};
 use crate::io::{SaveError, write_ply};
 use etendue_core::film::Film;
-use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
+use etendue_core::illumination::{Basis, Clustering, Elements, Sides, reconstruct};
 use etendue_core::scene::CompiledScene;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -37,6 +37,9 @@ pub(super) struct Args {
     /// Largest number of arrivals of a photon [default: unlimited]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: Option<u32>,
+    /// Draw each face towards its surroundings, by as much as it is noisy: less error, some of it bias, and both are in stderr and rel_error; `--error` looks at the map before that
+    #[arg(long)]
+    reconstruct: bool,
     /// Seed of all samples
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -57,15 +60,38 @@ impl Args {
     }
 }
 
+/// Indirect irradiance per element with its standard error \[W/m^2\], as photons say or reconstructed.
+struct Indirect {
+    values: Vec<[f64; 3]>,
+    stderr: Vec<[f64; 3]>,
+    /// Its estimated relative error where it was reconstructed (`None` of a black one).
+    reconstructed: Option<Option<f64>>,
+}
+
+impl Indirect {
+    fn of(film: &Film) -> Self {
+        let stderr = (0..film.len()).map(|i| film.standard_error(i).unwrap_or([0.0; 3])).collect();
+        Self { values: (0..film.len()).map(|i| film.mean(i)).collect(), stderr, reconstructed: None }
+    }
+
+    /// `None` below two replicates.
+    fn reconstructed(scene: &CompiledScene, elements: &Elements, film: &Film) -> Option<Self> {
+        let found = reconstruct(&Clustering::new(scene, elements), elements, film)?;
+        let reconstructed = Some(found.rel_error(|i| elements.weight(i)));
+        Some(Self { values: found.values, stderr: found.stderr, reconstructed })
+    }
+}
+
 /// Writes the sums on the mesh of their elements.
 fn write_map(
     path: &Path,
     scene: &CompiledScene,
-    settings: &ElementSettings,
+    elements: &Elements,
     direct: &Film,
-    indirect: &Film,
+    indirect: &Indirect,
 ) -> Result<(), SaveError> {
-    let mesh = Elements::new(scene, *settings).mesh(scene);
+    let mesh = elements.mesh(scene);
+    let direct_stderr = |i: usize| direct.standard_error(i).unwrap_or([0.0; 3]);
     let mut properties = Vec::new();
     for (channel, names) in [
         ["direct_r", "indirect_r", "stderr_r"],
@@ -79,10 +105,10 @@ fn write_map(
             mesh.elements.iter().map(|e| value(*e as usize) as f32).collect()
         };
         properties.push((names[0], of(&|i| direct.mean(i)[channel])));
-        properties.push((names[1], of(&|i| indirect.mean(i)[channel])));
-        properties.push((names[2], of(&|i| driver::error_of_sum(direct, indirect, i)[channel])));
+        properties.push((names[1], of(&|i| indirect.values[i][channel])));
+        properties.push((names[2], of(&|i| direct_stderr(i)[channel].hypot(indirect.stderr[i][channel]))));
     }
-    match settings.basis {
+    match elements.settings().basis {
         Basis::Constant => write_ply(path, &mesh.positions, &mesh.triangles, &[], &properties),
         Basis::Linear => write_ply(path, &mesh.positions, &mesh.triangles, &properties, &[]),
     }
@@ -118,9 +144,20 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         eprintln!("stopped before the first replicate of photons was complete: nothing was written");
         return Ok(ExitCode::from(INTERRUPTED));
     }
-    write_map(&args.output, scene, &photons.elements, &direct.film, &indirect.film)?;
+    let elements = Elements::new(scene, photons.elements);
+    let found = args.reconstruct.then(|| Indirect::reconstructed(scene, &elements, &indirect.film)).flatten();
+    if args.reconstruct {
+        stages.done("reconstruct");
+        if found.is_none() {
+            eprintln!(
+                "warning: one replicate of photons says nothing of its noise: nothing is reconstructed"
+            );
+        }
+    }
+    let found = found.unwrap_or_else(|| Indirect::of(&indirect.film));
+    write_map(&args.output, scene, &elements, &direct.film, &found)?;
     stages.done("write");
-    tell(args, &opened, &photons, [&direct, &indirect], &settings, &stages);
+    tell(args, &opened, &photons, [&direct, &indirect], found.reconstructed, (&settings, &stages));
     if cancelled {
         eprintln!("stopped early: {} holds {} photons", args.output.display(), indirect.film.samples());
         return Ok(ExitCode::from(INTERRUPTED));
@@ -133,12 +170,19 @@ fn tell(
     opened: &super::job::Opened,
     photons: &PhotonSettings,
     [direct, indirect]: [&Outcome; 2],
-    settings: &Settings,
-    stages: &Stages,
+    reconstructed: Option<Option<f64>>,
+    (settings, stages): (&Settings, &Stages),
 ) {
     let rays = direct.stats.rays + indirect.stats.rays;
     if args.talk.json {
         let mut map = report(opened, indirect, settings.seed, stages);
+        map.insert("reconstructed".into(), json!(reconstructed.is_some()));
+        if let Some(rel_error) = reconstructed {
+            // The interval is that of the map before.
+            map.insert("rel_error".into(), json!(rel_error));
+            map.insert("confidence".into(), json!(null));
+            map.insert("rel_error_before".into(), json!(indirect.error.map(|e| e.rel_error)));
+        }
         map.insert("method".into(), json!("photon"));
         map.insert("from".into(), json!(name_of(&photons.start)));
         map.insert("photons".into(), json!(indirect.stats.paths));
@@ -148,8 +192,11 @@ fn tell(
         map.insert("output".into(), json!(args.output));
         println!("{}", serde_json::Value::Object(map));
     } else if !args.talk.quiet {
-        let error =
-            indirect.error.map_or_else(String::new, |e| format!(", rel_error {:.3} %", 100.0 * e.rel_error));
+        let error = match (reconstructed, indirect.error) {
+            (Some(Some(e)), _) => format!(", rel_error {:.3} % after reconstruction", 100.0 * e),
+            (None, Some(e)) => format!(", rel_error {:.3} %", 100.0 * e.rel_error),
+            _ => String::new(),
+        };
         println!(
             "{}: {} faces, {} photons from {}, {:.2} hits each, {:.1} M rays{error} ({})",
             args.output.display(),

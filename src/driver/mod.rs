@@ -158,13 +158,6 @@ pub fn probes(
     })
 }
 
-/// Standard error of the sum of two independent results at one element; what has no variance yet counts as exact.
-pub fn error_of_sum(a: &Film, b: &Film, element: usize) -> [f64; 3] {
-    let variance = |film: &Film| film.variance(element).unwrap_or([0.0; 3]);
-    let (a, b) = (variance(a), variance(b));
-    [0, 1, 2].map(|c| (a[c] + b[c]).sqrt())
-}
-
 /// Elements that count alike.
 fn even(_: usize) -> f64 {
     1.0

@@ -10,10 +10,12 @@ use super::super::clusters::Clustering;
 use crate::math::Vec3;
 use alloc::vec::Vec;
 
-/// Numbers of a plane: the mean, the slopes along the place and along the normal.
-const TERMS: usize = 7;
+/// Numbers of a plane: the mean, the slopes along the place and along the normal, and an idle one, as eight fill registers.
+const TERMS: usize = 8;
+/// Slopes among them.
+const SLOPES: core::ops::Range<usize> = 1..7;
 /// Rounds of weights, planes, departures.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 3;
 /// Photons of the power usual in the scene that each cell is given on top of its own, so that its noise is known where it saw few.
 const USUAL_PHOTONS: f64 = 5.0;
 /// Where departures and slopes start, as a share of the mean, squared.
@@ -22,6 +24,8 @@ const START: f64 = 0.05;
 const DEPARTURE_SPREAD: f64 = 6.0;
 /// Least r^2 of a cell as a share of that of all: its own elements never prove that there is none.
 const DEPARTURE_MIN: f64 = 0.02;
+/// Least share of an element's variance that its plane leaves, to say anything of departures.
+const FREE_MIN: f64 = 1e-6;
 /// Least mean of r^2.
 const MEAN_DEPARTURE_MIN: f64 = 1e-5;
 /// Least variance of slopes, as a share of the mean's square.
@@ -82,7 +86,7 @@ impl Scale {
             // Each about uniform in a range of 1: times the root of 12 its variance is 1. Normals nearest to one axis vary by half.
             let [x, y, z] = (place.position / size * 3.46).to_array().map(f64::from);
             let [u, v, w] = (place.normal * 2.0).to_array().map(f64::from);
-            [1.0, x, y, z, u, v, w]
+            [1.0, x, y, z, u, v, w, 0.0]
         };
         let mut rows: Vec<[f64; TERMS]> = order.iter().map(|e| raw(*e)).collect();
         for cell in starts.windows(2) {
@@ -156,11 +160,10 @@ impl Scale {
         let mut entries = Vec::with_capacity(self.order.len());
         let mut cells = Vec::with_capacity(self.cells());
         for members in self.members() {
-            let (mut weight, mut weights2, mut flux, mut square) = (0.0, 0.0, 0.0, 0.0);
+            let (mut weight, mut flux, mut square) = (0.0, 0.0, 0.0);
             for i in members.iter().map(|e| *e as usize) {
                 let w = sizes.weight[i];
                 weight += w;
-                weights2 += w * w;
                 flux += w * seen.mean[i];
                 square += w * sizes.area[i] * seen.variance[i];
             }
@@ -168,7 +171,7 @@ impl Scale {
             let flux = f64::max(flux, 0.0);
             let mean = (flux + photon) / weight;
             let power = (square + USUAL_PHOTONS * photon * photon) / (flux + USUAL_PHOTONS * photon);
-            cells.push(Cell { weight, weights2, mean, power, departure: START, excess: 0.0, scale: 0.0 });
+            cells.push(Cell { weight, mean, power, departure: START, excess: 0.0, scale: 0.0, free2: 0.0 });
             entries.extend(members.iter().map(|e| {
                 let i = *e as usize;
                 Entry {
@@ -220,9 +223,8 @@ struct Sums {
 }
 
 struct Cell {
-    /// Sum of its elements' weights, and of their squares.
+    /// Sum of its elements' weights.
     weight: f64,
-    weights2: f64,
     /// Mean irradiance, above 0.
     mean: f64,
     /// Flux of its photons \[W\].
@@ -232,6 +234,8 @@ struct Cell {
     /// Weighted squares about the plane beyond what noise explains, and what they would be for r = 1.
     excess: f64,
     scale: f64,
+    /// Sum of the squares of the weights of what is free to depart.
+    free2: f64,
 }
 
 impl Cell {
@@ -250,47 +254,49 @@ impl Cell {
             let range = PLANE_RANGE.map(|r| r * self.mean);
             entry.noise = self.power * entry.plane.max(range[0]).min(range[1]) / entry.area;
             entry.precision = 1.0 / (self.departure * mean2 + entry.noise);
-            for i in 0..TERMS {
-                let a = entry.precision * row[i];
-                right[i] += a * entry.mean;
-                for j in i..TERMS {
-                    normal[i][j] += a * row[j];
+            let a = row.map(|x| entry.precision * x);
+            for (sums, a) in normal.iter_mut().zip(a) {
+                for (sum, x) in sums.iter_mut().zip(row) {
+                    *sum += a * x;
                 }
+            }
+            for (sum, a) in right.iter_mut().zip(a) {
+                *sum += a * entry.mean;
             }
         }
         let unit = normal[0][0];
-        for i in 0..TERMS {
-            for j in i..TERMS {
-                normal[i][j] /= unit;
-                normal[j][i] = normal[i][j];
-            }
-            if i > 0 {
-                normal[i][i] += 1.0 / (slope * mean2 * unit) + 1e-12;
-            }
+        let ridge = 1.0 / (slope * mean2 * unit) + 1e-12;
+        for (i, row) in normal.iter_mut().enumerate() {
+            *row = row.map(|x| x / unit);
+            row[i] += if i > 0 { ridge } else { 0.0 };
         }
         invert(&mut normal);
         let covariance = normal.map(|row| row.map(|x| x / unit));
-        let plane = covariance.map(|row| dot(&row, &right));
-        (self.excess, self.scale) = (0.0, 0.0);
+        let plane = times(&covariance, &right);
+        (self.excess, self.scale, self.free2) = (0.0, 0.0, 0.0);
         for (row, entry) in rows.iter().zip(entries.iter_mut()) {
             entry.plane = dot(&plane, row);
-            entry.plane_variance = dot(&covariance.map(|c| dot(&c, row)), row);
+            entry.plane_variance = dot(&times(&covariance, row), row);
             let rest = entry.mean - entry.plane;
             // The weights do not depend on this cell's own r: they would feed on themselves.
             let q = entry.weight / (departure * mean2 + entry.noise);
-            self.excess += q * (rest * rest - entry.noise + entry.plane_variance);
-            self.scale += q * mean2;
+            // The plane follows the element by its leverage; what is left of the variance, departure and noise alike, is `free`.
+            let free = 1.0 - entry.plane_variance * entry.precision;
+            let free = if free > FREE_MIN { free } else { 0.0 };
+            self.excess += q * (rest * rest - free * entry.noise);
+            self.scale += q * free * mean2;
+            self.free2 += entry.weight * free * entry.weight * free;
         }
         sums.excess += self.excess * mean2;
         sums.scale += self.scale * mean2;
-        let slopes = (1..TERMS).map(|i| plane[i] * plane[i] + covariance[i][i]).sum::<f64>();
-        sums.slopes += self.weight * slopes / (TERMS - 1) as f64;
+        let slopes = SLOPES.map(|i| plane[i] * plane[i] + covariance[i][i]).sum::<f64>();
+        sums.slopes += self.weight * slopes / SLOPES.len() as f64;
         sums.squares += self.weight * mean2;
     }
 
-    /// r^2 of the cell from its own excess, of standard error sqrt(2 `weights2`) / `scale`, and from that of all cells.
+    /// r^2 of the cell from its own excess, of standard error sqrt(2 `free2`) / `scale`, and from that of all cells.
     fn update(&mut self, departure: f64) {
-        let own = self.scale * self.scale / (2.0 * self.weights2);
+        let own = if self.free2 > 0.0 { self.scale * self.scale / (2.0 * self.free2) } else { 0.0 };
         let spread = DEPARTURE_SPREAD * departure;
         let prior = 1.0 / (spread * spread);
         let found = if self.scale > 0.0 { self.excess / self.scale } else { departure };
@@ -300,11 +306,22 @@ impl Cell {
 }
 
 fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
-    let mut sum = 0.0;
-    for (x, y) in a.iter().zip(b) {
-        sum += x * y;
+    let mut p = *a;
+    for (x, y) in p.iter_mut().zip(b) {
+        *x *= y;
     }
-    sum
+    ((p[0] + p[1]) + (p[2] + p[3])) + ((p[4] + p[5]) + (p[6] + p[7]))
+}
+
+/// A symmetric matrix times a vector.
+fn times(m: &[[f64; TERMS]; TERMS], v: &[f64; TERMS]) -> [f64; TERMS] {
+    let mut out = [0.0; TERMS];
+    for (row, x) in m.iter().zip(v) {
+        for (o, y) in out.iter_mut().zip(row) {
+            *o += x * y;
+        }
+    }
+    out
 }
 
 /// Inverse of a positive definite matrix in its place, by elimination: no pivots are needed there.

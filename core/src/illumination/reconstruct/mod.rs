@@ -13,7 +13,7 @@ mod mix;
 #[cfg(test)]
 mod tests;
 
-use super::{Clustering, Elements};
+use super::{Basis, Clustering, Elements};
 use crate::film::Film;
 use crate::math::Vec3;
 use alloc::vec::Vec;
@@ -35,7 +35,7 @@ const PHOTONS_TO_RESTORE: f64 = 10.0;
 /// A map after reconstruction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reconstruction {
-    /// Irradiance per element \[W/m^2\], never below 0.
+    /// Irradiance per element \[W/m^2\]; not below 0 where elements are faces.
     pub values: Vec<[f64; 3]>,
     /// Root mean square of its expected distance to the truth, bias included \[W/m^2\].
     pub stderr: Vec<[f64; 3]>,
@@ -60,11 +60,13 @@ pub fn reconstruct(clustering: &Clustering, elements: &Elements, film: &Film) ->
     let scales = scales(clustering, &sizes);
     let fits = channels.each_ref().map(|seen| fits(&scales, &sizes, seen));
     let shares = shares(&sizes, &channels, &fits);
+    // Means are not negative; nodes beside an edge of light may be.
+    let least = if elements.settings().basis == Basis::Constant { 0.0 } else { f64::NEG_INFINITY };
     let mut out = Reconstruction { values: alloc::vec![[0.0; 3]; n], stderr: alloc::vec![[0.0; 3]; n] };
     for (c, fits) in fits.iter().enumerate() {
         for i in 0..n {
             let [value, variance] = mixture(&shares, fits, i);
-            out.values[i][c] = value.max(0.0);
+            out.values[i][c] = value.max(least);
             out.stderr[i][c] = libm::sqrt(variance);
         }
     }
