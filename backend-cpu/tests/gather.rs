@@ -40,7 +40,7 @@ fn assert_agree(what: &str, a: &[[(f64, f64); 3]], b: &[[(f64, f64); 3]], z: f64
     }
     println!(
         "{what}: worst {worst:.2} of what is allowed, difference of the sums {:.3} %",
-        100.0 * signed / all
+        100.0 * signed / f64::max(all, 1e-9)
     );
 }
 

@@ -16,6 +16,8 @@
 //!   The one thing that neither finds is a light without size seen through mirrors alone: such arrivals are summed a second time, by themselves, and
 //!   read at x ([`crate::transport::photon::Photon::caustic`]).
 //!
+//! - **Spheres and disks** are one element each, too coarse to be read: rays gather there as they do at the first surface, and go on to what can be read.
+//!
 //! What stays out: a light without size that a Phong lobe sees through a mirror (no direction meets it; path tracing misses it, too).
 //!
 //! Accuracy: unbiased but for the map's elements, within which irradiance is constant or linear. Without the final gather they are seen as they are; with it their
@@ -207,13 +209,14 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let first = BlockSampler::new(seed, index, block, 0);
         let mut once = Walk { throughput: Vec3::splat(PI), ..self.start(first) };
         self.point_like(intersector, &mut once, &surface, u32::MAX);
-        let values = if self.gather { map.caustics } else { map.all };
+        let gather = self.gather || probe.hit.is_some_and(|(hit, _)| self.is_round(&hit));
+        let values = if gather { map.caustics } else { map.all };
         if let Some((hit, from_front)) = &probe.hit {
             once.radiance += map.elements.read(values, hit, *from_front);
         }
         let once = (once.radiance, once.rays);
         let mut sum = BlockSum::default();
-        if !self.gather {
+        if !gather {
             sum.add(once);
             return sum.mean(1);
         }
@@ -264,7 +267,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             }
             let goes_on = if LOBES && surface.lobes.mirror {
                 self.reflect(walk, &surface)
-            } else if walk.gathers {
+            } else if walk.gathers || self.is_round(&hit) {
                 self.gather_at(intersector, map, walk, &surface, &hit)
             } else {
                 self.read_at(intersector, map, walk, &surface, &hit)
@@ -273,6 +276,12 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
                 return;
             }
         }
+    }
+
+    /// A sphere or a disk, which is one element.
+    #[inline(always)]
+    fn is_round(&self, hit: &Hit) -> bool {
+        hit.primitive as usize >= self.scene.triangles.len()
     }
 
     #[inline(always)]
@@ -310,7 +319,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             let irradiance = map.elements.read(map.caustics, hit, surface.from_front);
             walk.radiance += walk.throughput * surface.lobes.albedo * INV_PI * irradiance;
         }
-        self.point_like(intersector, walk, surface, LIGHTS_SEEN);
+        let most = if walk.seen { LIGHTS_SEEN } else { LIGHTS_GATHERED };
+        self.point_like(intersector, walk, surface, most);
         self.spread(intersector, walk, surface)
     }
 
