@@ -24,7 +24,7 @@ use rooms::{
 #[track_caller]
 fn assert_agree(what: &str, a: &[[(f64, f64); 3]], b: &[[(f64, f64); 3]], z: f64, part: f64) {
     assert_eq!(a.len(), b.len());
-    let (mut signed, mut count, mut worst) = (0.0, 0.0, 0.0_f64);
+    let (mut signed, mut all, mut worst) = (0.0, 0.0, 0.0_f64);
     for (i, (a, b)) in a.iter().zip(b).enumerate() {
         for c in 0..3 {
             let ((x, dx), (y, dy)) = (a[c], b[c]);
@@ -34,11 +34,14 @@ fn assert_agree(what: &str, a: &[[(f64, f64); 3]], b: &[[(f64, f64); 3]], z: f64
                 "{what}: element {i}, channel {c}: {x} +- {dx} against {y} +- {dy}, {allowed} allowed"
             );
             worst = worst.max((x - y).abs() / allowed);
-            signed += (x - y) / y.max(1e-9);
-            count += 1.0;
+            signed += x - y;
+            all += y;
         }
     }
-    println!("{what}: worst {worst:.2} of what is allowed, mean difference {:.3} %", 100.0 * signed / count);
+    println!(
+        "{what}: worst {worst:.2} of what is allowed, difference of the sums {:.3} %",
+        100.0 * signed / f64::max(all, 1e-9)
+    );
 }
 
 /// Student's t of 16 blocks against 64: 5.5 is passed by chance once in 10^4 by each, and there are some hundred in a test of fixed seeds.
@@ -298,7 +301,9 @@ fn probes_read_a_fine_map() {
     point(&mut desc);
     furniture(&mut desc);
     let session = session(&desc, None);
-    let probes = on_walls();
+    let mut probes = on_walls();
+    // In the gap beneath the box light changes within an element.
+    probes.remove(13);
     let truth = truth(&session, &probes);
     for basis in [Basis::Constant, Basis::Linear] {
         let elements = ElementSettings { largest: 0.06, basis, ..JOB.elements };
@@ -328,8 +333,10 @@ fn sides_of_a_thin_wall_differ() {
     let at = |normal: f32| Probe { position: [0.0, 0.3, 0.4], normal: [normal, 0.0, 0.0] };
     for gather in [true, false] {
         let film = gather_probes(&session, &GatherJob { gather, ..JOB }, &[at(1.0), at(-1.0)]);
-        assert_eq!(film.mean(0), [0.0; 3], "gather {gather}");
-        assert!(film.mean(1)[0] > 0.5, "gather {gather}");
+        let [dark, lit] = [film.mean(0)[0], film.mean(1)[0]];
+        // Elements of the walls that reach beneath the sheet are lit as a whole: a gather ray may meet them on the dark side.
+        assert!(dark <= if gather { 2e-3 * lit } else { 0.0 }, "gather {gather}: {dark}");
+        assert!(lit > 0.5, "gather {gather}: {lit}");
     }
 }
 
@@ -345,10 +352,10 @@ fn depth_counts_edges_as_paths_do() {
         let truth = results(&path_probes(&session, &paths, &probes));
         for gather in [true, false] {
             let path = PathJob { max_depth, ..JOB.path };
-            let elements = ElementSettings { largest: 0.06, ..JOB.elements };
+            let elements = ElementSettings { largest: 0.06, basis: Basis::Linear, ..JOB.elements };
             let job = GatherJob { gather, path, elements, photons: 1 << 16, ..JOB };
             let what = format!("depth {max_depth}, gather {gather}");
-            let part = if gather { 0.01 } else { 0.04 };
+            let part = if gather { 0.01 } else { 0.03 };
             assert_agree(&what, &results(&gather_probes(&session, &job, &probes)), &truth, Z, part);
             check_image(&what, &session, &job, part);
         }

@@ -53,7 +53,8 @@ fn session() -> CpuSession {
 fn error_falls_and_is_known() {
     let session = session();
     let lights = |survives_first| PhotonStart::Lights { registers_direct: false, survives_first };
-    let surfaces = PhotonStart::Surfaces { subdivision: Subdivision::robust(Weights::EXACT), weights: Weights::EXACT };
+    let surfaces =
+        PhotonStart::Surfaces { subdivision: Subdivision::robust(Weights::EXACT), weights: Weights::EXACT };
     // The noise of nodes is anticorrelated, which the model leaves out: it states too much there.
     for (basis, sides, most) in [(Basis::Constant, Sides::Together, 1.25), (Basis::Linear, Sides::Apart, 1.5)]
     {

@@ -337,11 +337,17 @@ impl GatherJob {
         }
     }
 
+    /// Whether ways from the sensor to the map have several lengths, by mirrors, Phong lobes or round shapes: then no one limit of the photons' arrivals makes
+    /// a limit of all edges.
+    pub fn ways_differ(scene: &CompiledScene) -> bool {
+        scene.needs.mirrors || scene.needs.glossy || scene.needs.round_shapes
+    }
+
     /// Checks the numbers, for a scene.
     ///
     /// # Errors
-    /// As [`PathJob::check`] and [`PhotonJob::check`]; also photons that register direct light, sides together, and a limit of depth where mirrors or
-    /// Phong lobes make ways to the map of several lengths, since a map's photons have one limit.
+    /// As [`PathJob::check`] and [`PhotonJob::check`]; also photons that register direct light, sides together, and a limit of depth where ways to the map
+    /// have several lengths ([`Self::ways_differ`]).
     pub fn check(&self, scene: &CompiledScene) -> Result<(), BackendError> {
         self.path.check()?;
         self.maps(0).check()?;
@@ -349,8 +355,8 @@ impl GatherJob {
             "a map to be read must not hold the direct light of lights without size"
         } else if self.elements.sides != Sides::Apart {
             "a map to be read must have its sides apart"
-        } else if self.path.max_depth != u32::MAX && (scene.needs.mirrors || scene.needs.glossy) {
-            "a limit of depth needs a scene without mirrors and Phong lobes with method `photon`"
+        } else if self.path.max_depth != u32::MAX && Self::ways_differ(scene) {
+            "a limit of depth needs a scene without mirrors, Phong lobes, spheres and disks with method `photon`"
         } else {
             return Ok(());
         };

@@ -5,7 +5,7 @@ use super::error::CliError;
 use super::photon_args::PhotonArgs;
 use crate::driver::{self, Budget, GatherSettings, Outcome, Settings};
 use clap::Args;
-use etendue_core::backend::Session;
+use etendue_core::backend::{GatherJob, Session};
 use etendue_core::illumination::Sides;
 use serde_json::{Map, Value, json};
 
@@ -38,7 +38,7 @@ impl GatherArgs {
     /// The estimator that was asked for; `gather` is the verb's default.
     ///
     /// # Errors
-    /// For options that the estimator does not have, and limits of depth that the scene's mirrors make ambiguous.
+    /// For options that the estimator does not have, and limits of depth where ways to the map have several lengths.
     pub(super) fn estimator(
         &self,
         sampling: &SamplingArgs,
@@ -49,8 +49,8 @@ impl GatherArgs {
             return Ok(Estimator::Path);
         }
         let scene = session.scene();
-        if sampling.max_depth.is_some() && (scene.needs.mirrors || scene.needs.glossy) {
-            let text = "--max-depth with --method photon needs a scene without mirrors and Phong lobes: \
+        if sampling.max_depth.is_some() && GatherJob::ways_differ(scene) {
+            let text = "--max-depth with --method photon needs a scene without mirrors, Phong lobes, spheres and disks: \
                         the photons of a map have one limit";
             return Err(CliError::Usage(text.into()));
         }

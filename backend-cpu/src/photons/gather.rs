@@ -93,8 +93,9 @@ pub(crate) fn gather(
     let Photons { scene, tree, elements, code, .. } = photons;
     let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
     let lights = GatherLights::new(scene);
-    // Only a final gather needs them apart: what is read itself has them in the map.
-    let caustics = job.gather && scene.needs.mirrors && scene.needs.point_like_lights;
+    // Only where rays gather they are needed apart: what is read itself has them in the map.
+    let gathers = job.gather || scene.needs.round_shapes;
+    let caustics = gathers && scene.needs.mirrors && scene.needs.point_like_lights;
     let mut maps = Maps::new(pool, photons, &plan, caustics)?;
     let mut part = Film::new(*film.settings());
     let chunks = target.chunks();

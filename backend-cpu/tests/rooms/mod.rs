@@ -61,7 +61,7 @@ pub fn wall(desc: &mut SceneDesc, name: &str, kind: MaterialKind) {
 
 pub fn lamp(desc: &mut SceneDesc) {
     desc.materials.push(diffuse("lamp", [0.2; 3], [4.0, 5.0, 6.0]));
-    let kind = ShapeKind::Rectangle { center: [0.2, 0.97, 0.1], u: [0.0, 0.0, 0.2], v: [0.3, 0.0, 0.0] };
+    let kind = ShapeKind::Rectangle { center: [0.2, 0.97, 0.1], u: [0.3, 0.0, 0.0], v: [0.0, 0.0, 0.2] };
     desc.shapes.push(shape(kind, "lamp"));
 }
 

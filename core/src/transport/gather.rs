@@ -5,16 +5,18 @@
 //!
 //! - The **map** holds all arrivals but the first of lights without size (point, spot, directional); first arrivals of emissive surfaces and of the environment are
 //!   in it.
-//! - **Reading** at a vertex x: albedo / pi times (the map at x + the direct irradiance of lights without size, in closed form but for its shadow rays). The
+//! - **Reading** at a vertex x: albedo / pi times (the map at x + the direct irradiance of lights without size, in closed form but for its shadow rays; beyond 64 lights, or 4 at second hand, of so many chosen by flux). The
 //!   map knows nothing of directions, so that it answers for the diffuse part alone. A Phong lobe takes the direct light of lights without size by its value, one
 //!   sample of surface lights, and is followed by a ray of its own; mirrors are followed. That ray, and no map, brings what it finds: emission (surfaces by
 //!   the power heuristic against the sample; after a mirror all of it; the environment all of it) and what is read where it lands.
-//! - **Final gather** (one bounce): the first vertex that is no mirror is not read. One light is sampled there for all lobes, and one direction of one lobe, chosen by its
+//! - **Final gather** (one bounce): the first vertex that is no mirror is not read. Lights without size bring what they do in a reading; one surface light is sampled for all lobes, and one direction of one lobe, chosen by its
 //!   share of the reflectance. A diffuse direction is the gather ray: where it lands, through mirrors too, is read as above. A Phong direction only
 //!   moves the vertex at which is gathered. Each lobe is an integral of its own, whose direction competes with the light sample by the power heuristic. What
 //!   the gather ray meets is emission (direct light of x, the other half of the heuristic), or a surface whose reading is light with one more vertex.
 //!   The one thing that neither finds is a light without size seen through mirrors alone: such arrivals are summed a second time, by themselves, and
 //!   read at x ([`crate::transport::photon::Photon::caustic`]).
+//!
+//! - **Spheres and disks** are one element each, too coarse to be read: rays gather there as they do at the first surface, and go on to what can be read.
 //!
 //! What stays out: a light without size that a Phong lobe sees through a mirror (no direction meets it; path tracing misses it, too).
 //!
@@ -35,6 +37,11 @@ use crate::sampling::discrete::IntegerCdf;
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, LightRecord, NO_INDEX};
 use alloc::vec::Vec;
+
+/// Most lights without size that are looked at where the sensor sees a surface: as many as there are in most scenes, which leaves no noise of their choice.
+const LIGHTS_SEEN: u32 = 64;
+/// Where a gather ray lands: there are many such places for each that is seen, but their light is the noisiest part.
+const LIGHTS_GATHERED: u32 = 4;
 
 /// Some of a scene's lights, to choose one by flux.
 #[derive(Clone, Debug)]
@@ -201,14 +208,15 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         };
         let first = BlockSampler::new(seed, index, block, 0);
         let mut once = Walk { throughput: Vec3::splat(PI), ..self.start(first) };
-        self.all_point_like(intersector, &mut once, &surface);
-        let values = if self.gather { map.caustics } else { map.all };
+        self.point_like(intersector, &mut once, &surface, u32::MAX);
+        let gather = self.gather || probe.hit.is_some_and(|(hit, _)| self.is_round(&hit));
+        let values = if gather { map.caustics } else { map.all };
         if let Some((hit, from_front)) = &probe.hit {
             once.radiance += map.elements.read(values, hit, *from_front);
         }
         let once = (once.radiance, once.rays);
         let mut sum = BlockSum::default();
-        if !self.gather {
+        if !gather {
             sum.add(once);
             return sum.mean(1);
         }
@@ -259,7 +267,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             }
             let goes_on = if LOBES && surface.lobes.mirror {
                 self.reflect(walk, &surface)
-            } else if walk.gathers {
+            } else if walk.gathers || self.is_round(&hit) {
                 self.gather_at(intersector, map, walk, &surface, &hit)
             } else {
                 self.read_at(intersector, map, walk, &surface, &hit)
@@ -268,6 +276,12 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
                 return;
             }
         }
+    }
+
+    /// A sphere or a disk, which is one element.
+    #[inline(always)]
+    fn is_round(&self, hit: &Hit) -> bool {
+        hit.primitive as usize >= self.scene.triangles.len()
     }
 
     #[inline(always)]
@@ -305,7 +319,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             let irradiance = map.elements.read(map.caustics, hit, surface.from_front);
             walk.radiance += walk.throughput * surface.lobes.albedo * INV_PI * irradiance;
         }
-        self.one_point_like(intersector, walk, surface);
+        let most = if walk.seen { LIGHTS_SEEN } else { LIGHTS_GATHERED };
+        self.point_like(intersector, walk, surface, most);
         self.spread(intersector, walk, surface)
     }
 
@@ -340,11 +355,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             let irradiance = map.elements.read(map.all, hit, surface.from_front);
             walk.radiance += walk.throughput * lobes.albedo * INV_PI * irradiance;
         }
-        if walk.seen {
-            self.all_point_like(intersector, walk, surface);
-        } else {
-            self.one_point_like(intersector, walk, surface);
-        }
+        let most = if walk.seen { LIGHTS_SEEN } else { LIGHTS_GATHERED };
+        self.point_like(intersector, walk, surface, most);
         if !LOBES || lobes.specular == Vec3::ZERO {
             return false;
         }
@@ -391,26 +403,31 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         true
     }
 
-    /// Direct light of all lights without size, by all lobes.
+    /// Direct light of lights without size, by all lobes: of all of them where they are no more than `most`, else of so many that are chosen by flux, in equal
+    /// steps along their distribution.
     #[inline(always)]
-    fn all_point_like<I: Intersector + ?Sized>(&self, intersector: &I, walk: &mut Walk, surface: &Surface) {
-        for index in &self.lights.point_like.lights {
-            if let Some(light) = self.scene.lights.get(*index as usize) {
-                self.add_point_like(intersector, walk, surface, light, light.pmf);
-            }
-        }
-    }
-
-    /// Direct light of one light without size, chosen by flux, by all lobes.
-    #[inline(always)]
-    fn one_point_like<I: Intersector + ?Sized>(&self, intersector: &I, walk: &mut Walk, surface: &Surface) {
+    fn point_like<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        walk: &mut Walk,
+        surface: &Surface,
+        most: u32,
+    ) {
         let choice = &self.lights.point_like;
-        if choice.cdf.is_none() {
+        if choice.lights.len() <= most as usize {
+            for index in &choice.lights {
+                if let Some(light) = self.scene.lights.get(*index as usize) {
+                    self.add_point_like(intersector, walk, surface, light, light.pmf);
+                }
+            }
             return;
         }
         let [.., word] = walk.sampler.bits4(1 + 2 * walk.depth);
-        if let Some((light, factor)) = choice.pick(self.scene, word) {
-            self.add_point_like(intersector, walk, surface, light, factor);
+        for k in 0..most {
+            let step = ((u64::from(k) << 32) / u64::from(most)) as u32;
+            if let Some((light, factor)) = choice.pick(self.scene, word.wrapping_add(step)) {
+                self.add_point_like(intersector, walk, surface, light, factor / most as f32);
+            }
         }
     }
 
