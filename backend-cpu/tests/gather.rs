@@ -38,6 +38,8 @@ fn assert_agree(what: &str, a: &[[(f64, f64); 3]], b: &[[(f64, f64); 3]], z: f64
             all += y;
         }
     }
+    // What each may be off by chance or element is not what they may be off together.
+    assert!(f64::abs(signed) <= 0.02 * all + 1e-7, "{what}: {signed} of {all}");
     println!(
         "{what}: worst {worst:.2} of what is allowed, difference of the sums {:.3} %",
         100.0 * signed / f64::max(all, 1e-9)
