@@ -127,7 +127,8 @@ fn fits(scales: &[Scale], sizes: &Sizes, seen: &Seen) -> Vec<Fit> {
     };
     // The flux of a usual photon. A channel without light or without noise stays as it is.
     let photon = square / flux;
-    if !(flux > 0.0 && photon > 0.0 && photon.is_finite()) {
+    let noisy = flux > 0.0 && photon > 0.0 && photon.is_finite();
+    if !noisy {
         return alloc::vec![own(seen.variance.clone()); scales.len() + 1];
     }
     let mut fits: Vec<Fit> = scales.iter().map(|scale| scale.fit(sizes, seen, photon)).collect();
@@ -147,15 +148,10 @@ fn shares(sizes: &Sizes, channels: &[Seen; 3], fits: &[Vec<Fit>; 3]) -> Vec<f64>
             for i in 0..n {
                 let of = fits[i].value[e] - seen.mean[e];
                 linear[i] += w * fits[i].noise[e] * fits[i].leverage[e];
-                for j in 0..=i {
-                    products[i][j] += w * of * (fits[j].value[e] - seen.mean[e]);
+                for (j, product) in products[i].iter_mut().enumerate() {
+                    *product += w * of * (fits[j].value[e] - seen.mean[e]);
                 }
             }
-        }
-    }
-    for i in 0..n {
-        for j in 0..i {
-            products[j][i] = products[i][j];
         }
     }
     mix::shares(&products, &linear)
@@ -185,11 +181,8 @@ fn restore(scale: &Scale, sizes: &Sizes, seen: &Seen, channel: usize, out: &mut 
             square += sizes.weight[i] * sizes.area[i] * seen.variance[i];
             now += sizes.weight[i] * out.values[i][channel];
         }
-        if !(flux > 0.0 && now > 0.0) {
-            continue;
-        }
         let few = PHOTONS_TO_RESTORE * square / flux;
-        let factor = (flux + few) / (now + few);
+        let factor = if flux > 0.0 && now > 0.0 { (flux + few) / (now + few) } else { 1.0 };
         for i in members.iter().map(|e| *e as usize) {
             out.values[i][channel] *= factor;
             out.stderr[i][channel] *= factor;
