@@ -463,10 +463,10 @@ fn illuminate_reconstructs_when_asked() {
         let report = run(&[&line[..], more].concat()).exits(0).json();
         (report, face_properties(&ply))
     };
-    let (report, truth) = of("8000000", &[]);
+    let (report, truth) = of("2000000", &[]);
     assert_eq!(report["reconstructed"], json!(false));
-    let (before, raw) = of("60000", &["--seed", "2"]);
-    let (after, found) = of("60000", &["--seed", "2", "--reconstruct"]);
+    let (before, raw) = of("15000", &["--seed", "2"]);
+    let (after, found) = of("15000", &["--seed", "2", "--reconstruct"]);
     assert_eq!(after["reconstructed"], json!(true));
     assert_eq!(after["rel_error_before"], before["rel_error"]);
     assert!(after["seconds"]["reconstruct"].is_number() && after["confidence"].is_null());

@@ -4,6 +4,7 @@ use super::{Budget, Outcome, Settings, Watcher, block_length, drive, even, first
 use etendue_core::backend::{self, BackendError, GatherJob, PathJob, PhotonJob, PhotonStart, Probe, Session};
 use etendue_core::film::Film;
 use etendue_core::illumination::{ElementSettings, Elements};
+use etendue_core::light::emit::is_point_like;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{FirstShotError, Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
@@ -174,7 +175,21 @@ pub fn photon_probes(
     })
 }
 
-/// Direct irradiance of lights without size on elements, from 16 points on each division: four nets of four.
+/// Blocks of points of direct irradiance, and the most and least points of a block on each division of a primitive.
+const DIRECT_BLOCKS: u32 = 8;
+const DIRECT_POINTS: [u64; 2] = [2, 64];
+/// Shadow rays of direct irradiance that a map may take where the least number of points does not ask for more.
+const DIRECT_RAYS: u64 = 1 << 23;
+
+/// Points of a block of direct irradiance on each division, a power of two: many where few divisions and lights ask for them.
+fn direct_points(scene: &CompiledScene, elements: &Elements) -> u32 {
+    let divisions: u64 = (0..scene.primitives().count() as u32).map(|p| u64::from(elements.cells(p))).sum();
+    let lights = scene.lights.iter().filter(|l| is_point_like(l)).count() as u64;
+    let points = DIRECT_RAYS / (divisions * lights * u64::from(DIRECT_BLOCKS)).max(1);
+    1 << points.clamp(DIRECT_POINTS[0], DIRECT_POINTS[1]).ilog2()
+}
+
+/// Direct irradiance of lights without size on elements, from eight blocks of points on each division, 16 to 512 in all.
 ///
 /// # Errors
 /// As [`Session::direct_irradiance`]; being stopped is no error.
@@ -184,10 +199,12 @@ pub fn direct_irradiance(
     elements: &ElementSettings,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, BackendError> {
-    let first = PathJob { seed, block_length: 4, blocks: 0..0, max_depth: 1 };
     let divided = Elements::new(session.scene(), *elements);
+    let block_length = direct_points(session.scene(), &divided);
+    let first = PathJob { seed, block_length, blocks: 0..0, max_depth: 1 };
     let film = Film::new(backend::direct_film_settings(session.scene(), &divided, &first));
-    drive(film, first, Budget::Samples(16), watcher, &|i| divided.weight(i), |job, control, film| {
+    let budget = Budget::Samples(u64::from(DIRECT_BLOCKS * block_length));
+    drive(film, first, budget, watcher, &|i| divided.weight(i), |job, control, film| {
         session.direct_irradiance(job, elements, control, film)
     })
 }

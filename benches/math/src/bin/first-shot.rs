@@ -1,6 +1,6 @@
 //! `cargo run --release -p etendue-benches --bin first-shot [-- SCENE ...]`: writes `docs/first-shot.md` with its figures.
 //!
-//! With names of scenes it prints only their tables. `ETENDUE_SCENES` names the folder of the shared scenes; without it Sponza is left out.
+//! With names of scenes it prints only their tables, with `reconstruct` among them only those of reconstruction. `ETENDUE_SCENES` names the folder of the shared scenes; without it Sponza is left out.
 #![allow(clippy::disallowed_methods, reason = "a program that prints")]
 
 use etendue::core::backend::PhotonStart;
@@ -183,7 +183,12 @@ fn reconstructed(
     out
 }
 
-fn chapter(case: &scenes::Case, figures: &Path) -> Result<String, Box<dyn std::error::Error>> {
+/// Tables and figures of a scene; of reconstruction alone where `only_reconstruct`.
+fn chapter(
+    case: &scenes::Case,
+    figures: &Path,
+    only_reconstruct: bool,
+) -> Result<String, Box<dyn std::error::Error>> {
     eprintln!("{}", case.name);
     let scene = Arc::new(case.scene.clone());
     let mut out = format!("## {}\n\n{}; {} triangles.\n\n", case.name, case.about, scene.triangles.len());
@@ -205,6 +210,9 @@ fn chapter(case: &scenes::Case, figures: &Path) -> Result<String, Box<dyn std::e
     let mut reference = Run::default();
     for _ in 0..REFERENCE {
         reference.add(&session, &elements, &all[5], 77, SIZES[1].0);
+    }
+    if only_reconstruct {
+        return Ok(out + &reconstructed(&session, &elements, &reference, &times));
     }
     let lit = |i: usize| reference.maps.iter().any(|m| m[i] != [0.0; 3]);
     let clustering = Clustering::new(&scene, &elements).retain(lit);
@@ -254,6 +262,7 @@ fn chapter(case: &scenes::Case, figures: &Path) -> Result<String, Box<dyn std::e
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let only_reconstruct = asked.iter().any(|a| a == "reconstruct");
     let data = std::env::var_os("ETENDUE_SCENES").map(PathBuf::from);
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let figures = docs.join("first-shot");
@@ -267,7 +276,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             eprintln!("{name} is left out: ETENDUE_SCENES does not name the folder of the shared scenes");
             continue;
         };
-        let text = chapter(&case, &figures)?;
+        let text = chapter(&case, &figures, only_reconstruct)?;
         println!("{text}");
         page += &text;
     }

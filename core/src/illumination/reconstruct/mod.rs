@@ -6,6 +6,8 @@
 //! scale is best for all numbers of photons, so that the result mixes the scales and the map as it is. The shares are those of the least estimated
 //! squared error over the surfaces, which needs no truth (Stein 1981): sum w ((x - y)^2 - v + 2 v dx/dy) for values x, seen means y and their variances v.
 //!
+//! Nodes of the linear basis count as independent, which they are not: what is stated for them is too much.
+//!
 //! The mixture's squared error is exactly the mean of its parts' less their spread around it, which is how its standard error follows from theirs.
 
 mod fit;
@@ -29,7 +31,7 @@ const FEWEST: usize = 8;
 const SHIFT: [f32; 3] = [0.819_172_5, 0.671_043_6, 0.549_700_5];
 /// Share of the variance of its parts that a mixture's never falls below.
 const VARIANCE_MIN: f64 = 0.1;
-/// Photons a cell must have lost or won for its flux to be set right to two parts of three.
+/// Photons that are added to both fluxes of a cell before it is set right, so that cells of few photons hardly change.
 const PHOTONS_TO_RESTORE: f64 = 10.0;
 
 /// A map after reconstruction.

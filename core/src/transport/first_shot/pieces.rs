@@ -174,7 +174,8 @@ impl StartPlan<'_> {
 }
 
 /// Flux \[W\] that a piece sends on, mean of the channels: `tint` is the light's colour times the albedo, `weights` the irradiance at the corners, `albedos` the
-/// bitmap's at the corners with the brightest that it has there. Nonzero wherever light can be reflected: at least 2^-24 of what the brightest texel would send.
+/// bitmap's at the corners with the brightest that it has there. Nonzero wherever light can be reflected: at least an eighth of what the brightest texel
+/// would send, so that no start carries more than eight times its share.
 fn sent(tint: Vec3, albedos: Option<&(VertexAlbedo, Vec3)>, weights: [f32; 3], area: f32) -> f32 {
     let mean = |f: &dyn Fn(usize) -> f64| (0..3).map(f).sum::<f64>() / 3.0;
     let w = weights.map(f64::from);
@@ -186,7 +187,7 @@ fn sent(tint: Vec3, albedos: Option<&(VertexAlbedo, Vec3)>, weights: [f32; 3], a
             let at = |i: usize, c: usize| f64::from(texture.at[i][c]) * w[i];
             let sent = mean(&|c| t[c] * (at(0, c) + at(1, c) + at(2, c))) * f64::from(area) / 3.0;
             let most = mean(&|c| t[c] * f64::from(brightest[c])) * all;
-            sent.max(most / 16_777_216.0)
+            sent.max(most / 8.0)
         }
     };
     // As an f32 that is neither 0 nor infinite where the number is not.

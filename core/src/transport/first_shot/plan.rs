@@ -1,7 +1,7 @@
 //! Which lights have pieces, and in which order pieces come.
 
 use super::{FirstShotError, Subdivision};
-use crate::direct::emission::{Bitmap, Exact, PieceAlbedo, Published, VertexAlbedo};
+use crate::direct::emission::{Bitmap, PieceAlbedo, Published, Pyramid, VertexAlbedo};
 use crate::geometry::HilbertGrid;
 use crate::light::emit;
 use crate::math::{self, Vec3};
@@ -11,14 +11,16 @@ use alloc::vec::Vec;
 /// Most (triangle, light) pairs that are looked at; lights beyond are entries of their own. Where so many lights share the flux hardly any pair is worth
 /// more than a glance, that is one piece: 60 bytes, and 4 of the index of pairs: 280 MB in all.
 const PAIRS_MAX: u64 = 1 << 22;
-/// Texels that the source's rule scans.
+/// Texels that the source's rule scans, and those of a coarser level that ours does. What a photon carries does not depend on it: exact integrals, at 20 us
+/// a piece, took ten times as long as all the rest of the precomputation of a textured scene.
 const SCAN_TEXELS: f32 = 64.0;
+const COARSE_TEXELS: f32 = 24.0;
 
 /// How albedos of pieces are found.
 enum Albedo<'a> {
     Plain,
     Published(Published<'a>),
-    Exact(Exact<'a>),
+    Coarse(Pyramid),
 }
 
 /// What is cut, and in which order: light after light, each over the triangles along a Hilbert curve, so that neighbouring starts are neighbours in space.
@@ -78,7 +80,7 @@ impl<'a> StartPlan<'a> {
             .map(|t| match (Bitmap::try_new(t, &scene.texels, &scene.srgb_decode), subdivision) {
                 (Err(_), _) => Albedo::Plain,
                 (Ok(b), Subdivision::Published(..)) => Albedo::Published(Published::new(b, SCAN_TEXELS)),
-                (Ok(b), _) => Albedo::Exact(Exact::new(b)),
+                (Ok(b), _) => Albedo::Coarse(Pyramid::new(&b)),
             })
             .collect();
         Ok(Self { scene, subdivision, lights, order, ranks, flux, albedos })
@@ -112,7 +114,7 @@ impl<'a> StartPlan<'a> {
         match self.albedos.get(texture as usize)? {
             Albedo::Plain => None,
             Albedo::Published(rule) => Some((rule.vertex_albedo(uv), Vec3::ONE)),
-            Albedo::Exact(rule) => Some((rule.vertex_albedo(uv), rule.brightest(uv))),
+            Albedo::Coarse(levels) => Some((levels.coarse(uv, COARSE_TEXELS), levels.brightest(uv))),
         }
     }
 }
