@@ -82,6 +82,12 @@ impl Indirect {
     }
 }
 
+/// Standard error of a sum of two independent results.
+#[allow(clippy::disallowed_methods, reason = "an error for people, in f64: no kernel")]
+fn root_of_squares(a: f64, b: f64) -> f64 {
+    a.hypot(b)
+}
+
 /// Writes the sums on the mesh of their elements.
 fn write_map(
     path: &Path,
@@ -106,7 +112,10 @@ fn write_map(
         };
         properties.push((names[0], of(&|i| direct.mean(i)[channel])));
         properties.push((names[1], of(&|i| indirect.values[i][channel])));
-        properties.push((names[2], of(&|i| direct_stderr(i)[channel].hypot(indirect.stderr[i][channel]))));
+        properties.push((
+            names[2],
+            of(&|i| root_of_squares(direct_stderr(i)[channel], indirect.stderr[i][channel])),
+        ));
     }
     match elements.settings().basis {
         Basis::Constant => write_ply(path, &mesh.positions, &mesh.triangles, &[], &properties),

@@ -1,5 +1,7 @@
 //! Maps on triangles after reconstruction: what a total error costs, bias in it.
 
+#![allow(clippy::disallowed_methods, reason = "statistics in f64")]
+
 use super::measure::Method;
 use cpu_time::ProcessTime;
 use etendue::core::backend::{NoControl, PhotonJob, Session, illumination_film_settings};

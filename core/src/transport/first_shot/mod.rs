@@ -1,7 +1,7 @@
 //! First shot: photons that start on surfaces which lights without size light, instead of at those lights.
 //!
 //! Direct irradiance is known in closed form, so the first flight and the first absorption need not be gambled: each triangle is cut into pieces
-//! over which a light's irradiance is nearly linear ([`pieces`]), and a photon starts on a (piece, light) pair in proportion to the flux that the
+//! over which a light's irradiance is nearly linear (in `pieces`), and a photon starts on a (piece, light) pair in proportion to the flux that the
 //! pair sends on, at a place drawn from the linear density ([`crate::sampling::linear_triangle`]). Lights with size and the environment are entries by
 //! themselves and emit as ever, and so are lights beyond the budget.
 //!
@@ -21,7 +21,7 @@ pub mod place;
 mod plan;
 pub mod weight;
 
-pub use density::{FirstShot, Start};
+pub use density::{FirstShot, Look, Start};
 pub use forecast::{Forecast, forecast};
 pub use pieces::LitPiece;
 pub use plan::StartPlan;
