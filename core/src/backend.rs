@@ -317,14 +317,11 @@ pub struct GatherJob {
 }
 
 impl GatherJob {
-    /// Tells the numbers of photons from those of the first pixel's samples.
-    const MAP_SEED: u64 = 0x3C6E_F372_FE94_F82B;
-
     /// The photons of the maps, for a film of nothing. `edges`: those from the sensor to where a map is read without a final gather, 1 for an image and 0 for probes.
     pub fn maps(&self, edges: u32) -> PhotonJob {
         let back = edges + u32::from(self.gather);
         PhotonJob {
-            seed: self.path.seed ^ Self::MAP_SEED,
+            seed: self.path.seed,
             photons: self.photons,
             replicates: self.path.blocks.clone(),
             max_hits: match self.path.max_depth {

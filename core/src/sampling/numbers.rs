@@ -20,7 +20,8 @@ pub enum Numbers {
     Sobol(BlockSampler),
 }
 
-/// A domain of the seed's words that no film's samples use.
+/// Keeps the words of photons apart from those of a film's samples of the same seed, random and Sobol' alike: replicate b's photons and block b's samples of
+/// the first pixel would otherwise be one set.
 const DOMAIN: u64 = 0x9E6D_62D0_6F6A_9A9B;
 
 impl Numbers {
@@ -31,7 +32,7 @@ impl Numbers {
 
     /// Sobol' points of a replicate's first photon.
     pub const fn sobol(seed: u64, replicate: u32) -> Self {
-        Self::Sobol(BlockSampler::new(seed, 0, replicate, 0))
+        Self::Sobol(BlockSampler::new(seed ^ DOMAIN, 0, replicate, 0))
     }
 
     /// Those of another photon of the replicate.

@@ -26,16 +26,16 @@
 //! Numbers come in the groups of [`super::path`]: the sensor first, then two groups an edge. Roulette is that of path tracing, from the fifth edge.
 //! Source: H. W. Jensen, "Realistic Image Synthesis Using Photon Mapping" (2001), chapter 8, for the parts; his map is another.
 
-use super::path::{BlockSum, NO_RAY, ROULETTE_FROM, SENSOR_GROUP, SURVIVAL_MAX};
+use super::back::{BlockSum, NO_RAY, camera_ray, emission, roulette, white_surface};
 use super::{Surface, mis, surface_at};
-use crate::bsdf::{Lobes, diffuse, phong};
+use crate::bsdf::{diffuse, phong};
 use crate::geometry::{Hit, Intersector, Ray, SurfacePoint};
 use crate::illumination::Elements;
 use crate::light::{self, LightSample, emit};
 use crate::math::{self, INV_PI, PI, Vec3};
 use crate::sampling::discrete::IntegerCdf;
 use crate::sampling::sobol::BlockSampler;
-use crate::scene::{CompiledScene, LightRecord, NO_INDEX};
+use crate::scene::{CompiledScene, LightRecord};
 use alloc::vec::Vec;
 
 /// Most lights without size that are looked at where the sensor sees a surface: as many as there are in most scenes, which leaves no noise of their choice.
@@ -166,13 +166,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let first = BlockSampler::new(seed, y.wrapping_mul(camera.width).wrapping_add(x), block, 0);
         for i in 0..block_length {
             let mut walk = self.start(first.with_index(i));
-            let [u, v, lens_u, lens_v] = if camera.lens_radius > 0.0 {
-                walk.sampler.group4(SENSOR_GROUP)
-            } else {
-                let [u, v] = walk.sampler.group2(SENSOR_GROUP);
-                [u, v, 0.0, 0.0]
-            };
-            walk.ray = camera.sample_ray(x, y, [u, v], [lens_u, lens_v]);
+            walk.ray = camera_ray(camera, x, y, &walk.sampler);
             walk.depth = 1;
             self.follow(intersector, map, &mut walk);
             sum.add((walk.radiance, walk.rays));
@@ -195,17 +189,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         if self.max_depth == 0 {
             return ([0.0; 3], 0);
         }
-        let n = probe.normal;
-        let surface = Surface {
-            point: probe.point,
-            front: n,
-            geometric: n,
-            shading: n,
-            wo: n,
-            lobes: Lobes::diffuse(Vec3::ONE),
-            light: NO_INDEX,
-            from_front: true,
-        };
+        let surface = white_surface(probe.point, probe.normal);
         let first = BlockSampler::new(seed, index, block, 0);
         let mut once = Walk { throughput: Vec3::splat(PI), ..self.start(first) };
         self.point_like(intersector, &mut once, &surface, u32::MAX);
@@ -259,9 +243,10 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &walk.ray, &hit) else {
                 return;
             };
-            if surface.light != NO_INDEX && surface.from_front {
-                self.add_emission(walk, &surface, hit.t);
-            }
+            let share = self.lights.surface_share;
+            let (met, weight) =
+                emission(self.scene, &surface, (&walk.ray, hit.t), (walk.vertex, walk.pdf), share);
+            walk.radiance += walk.throughput * met * weight;
             if walk.depth >= self.max_depth {
                 return;
             }
@@ -282,19 +267,6 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     #[inline(always)]
     fn is_round(&self, hit: &Hit) -> bool {
         hit.primitive as usize >= self.scene.triangles.len()
-    }
-
-    #[inline(always)]
-    fn add_emission(&self, walk: &mut Walk, surface: &Surface, t: f32) {
-        let Some(light) = self.scene.lights.get(surface.light as usize) else { return };
-        let weight = if walk.pdf > 0.0 {
-            let wi = walk.ray.direction;
-            let other = light::pdf_solid_angle(light, walk.vertex, wi, t, surface.front);
-            mis::power_heuristic(walk.pdf, other * self.lights.surface_share)
-        } else {
-            1.0
-        };
-        walk.radiance += walk.throughput * Vec3::from_array(light.radiance) * weight;
     }
 
     fn reflect(&self, walk: &mut Walk, surface: &Surface) -> bool {
@@ -319,8 +291,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             let irradiance = map.elements.read(map.caustics, hit, surface.from_front);
             walk.radiance += walk.throughput * surface.lobes.albedo * INV_PI * irradiance;
         }
-        let most = if walk.seen { LIGHTS_SEEN } else { LIGHTS_GATHERED };
-        self.point_like(intersector, walk, surface, most);
+        self.point_like(intersector, walk, surface, if walk.seen { LIGHTS_SEEN } else { LIGHTS_GATHERED });
         self.spread(intersector, walk, surface)
     }
 
@@ -355,8 +326,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             let irradiance = map.elements.read(map.all, hit, surface.from_front);
             walk.radiance += walk.throughput * lobes.albedo * INV_PI * irradiance;
         }
-        let most = if walk.seen { LIGHTS_SEEN } else { LIGHTS_GATHERED };
-        self.point_like(intersector, walk, surface, most);
+        self.point_like(intersector, walk, surface, if walk.seen { LIGHTS_SEEN } else { LIGHTS_GATHERED });
         if !LOBES || lobes.specular == Vec3::ZERO {
             return false;
         }
@@ -385,16 +355,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         if SHADING && wi.dot(surface.geometric) <= 0.0 {
             return false;
         }
-        let mut throughput = walk.throughput * weight;
-        if walk.depth + 1 >= ROULETTE_FROM {
-            let q = math::max_component(weight).min(SURVIVAL_MAX);
-            if survive >= q {
-                return false;
-            }
-            throughput /= q;
-        } else if throughput == Vec3::ZERO {
-            return false;
-        }
+        let Some(throughput) = roulette(walk.throughput, weight, walk.depth, survive) else { return false };
         walk.throughput = throughput;
         walk.pdf = pdf;
         walk.vertex = surface.leave(wi);

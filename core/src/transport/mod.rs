@@ -3,6 +3,7 @@
 //! `advance(answer) -> query`: a scalar loop, a stream of rays and a GPU wavefront drive the same code, and no
 //! estimator knows how rays are traced.
 
+mod back;
 pub mod first_shot;
 pub mod gather;
 pub mod mis;

@@ -7,20 +7,13 @@
 //! channel), at most 0.95, so that paths end even in a closed room of albedo 1. Unbiased for what surfaces carry, up to
 //! `max_depth`.
 
+use super::back::{BlockSum, NO_RAY, camera_ray, emission, roulette, white_surface};
 use super::{Answer, Query, Surface, ask, mis, surface_at};
-use crate::bsdf::Lobes;
 use crate::geometry::{Hit, Intersector, Ray, SurfacePoint};
 use crate::light;
 use crate::math::{self, PI, Vec3};
 use crate::sampling::sobol::BlockSampler;
-use crate::scene::{CompiledScene, NO_INDEX};
-
-/// Number of edges after which roulette begins.
-pub(super) const ROULETTE_FROM: u32 = 5;
-/// Largest probability of surviving the roulette.
-pub(super) const SURVIVAL_MAX: f32 = 0.95;
-/// Group of sample dimensions for the pixel and the lens.
-pub(super) const SENSOR_GROUP: u32 = 0;
+use crate::scene::CompiledScene;
 
 /// The path tracer for one scene, with the code that it needs (see [`super::TransportCode`]).
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +44,6 @@ pub struct PathState {
     depth: u32,
 }
 
-pub(super) const NO_RAY: Ray = Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0 };
-
 impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     PathTracer<'a, LOBES, TEXTURES, SHADING>
 {
@@ -65,14 +56,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     #[inline(always)]
     pub fn start_camera(&self, x: u32, y: u32, sampler: BlockSampler) -> (PathState, Query) {
         let Some(camera) = &self.scene.camera else { return (PathState::new(sampler), Query::Done) };
-        let [u, v, lens_u, lens_v] = if camera.lens_radius > 0.0 {
-            sampler.group4(SENSOR_GROUP)
-        } else {
-            let [u, v] = sampler.group2(SENSOR_GROUP);
-            [u, v, 0.0, 0.0]
-        };
         let mut state = PathState::new(sampler);
-        state.ray = camera.sample_ray(x, y, [u, v], [lens_u, lens_v]);
+        state.ray = camera_ray(camera, x, y, &sampler);
         state.depth = 1;
         let query = if self.max_depth >= 1 { Query::Closest(state.ray) } else { Query::Done };
         (state, query)
@@ -84,16 +69,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     pub fn start_probe(&self, point: SurfacePoint, n: Vec3, sampler: BlockSampler) -> (PathState, Query) {
         let mut state = PathState::new(sampler);
         state.throughput = Vec3::splat(PI);
-        let surface = Surface {
-            point,
-            front: n,
-            geometric: n,
-            shading: n,
-            wo: n,
-            lobes: Lobes::diffuse(Vec3::ONE),
-            light: NO_INDEX,
-            from_front: true,
-        };
+        let surface = white_surface(point, n);
         let query = if self.max_depth >= 1 { self.scatter(&mut state, &surface) } else { Query::Done };
         (state, query)
     }
@@ -122,26 +98,13 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &state.ray, &hit) else {
             return Query::Done;
         };
-        if surface.light != NO_INDEX && surface.from_front {
-            self.add_emission(state, &surface, hit.t);
-        }
+        let (met, weight) =
+            emission(self.scene, &surface, (&state.ray, hit.t), (state.vertex, state.pdf), 1.0);
+        state.radiance += state.throughput * met * weight;
         if state.depth >= self.max_depth {
             return Query::Done;
         }
         self.scatter(state, &surface)
-    }
-
-    #[inline(always)]
-    fn add_emission(&self, state: &mut PathState, surface: &Surface, t: f32) {
-        let Some(light) = self.scene.lights.get(surface.light as usize) else { return };
-        let weight = if state.pdf > 0.0 {
-            let wi = state.ray.direction;
-            let other = light::pdf_solid_angle(light, state.vertex, wi, t, surface.front);
-            mis::power_heuristic(state.pdf, other)
-        } else {
-            1.0
-        };
-        state.radiance += state.throughput * Vec3::from_array(light.radiance) * weight;
     }
 
     /// Samples a light and a direction at a vertex.
@@ -171,16 +134,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         s: &crate::bsdf::BsdfSample,
         survive: f32,
     ) {
-        let mut throughput = state.throughput * s.weight;
-        if state.depth + 1 >= ROULETTE_FROM {
-            let q = math::max_component(s.weight).min(SURVIVAL_MAX);
-            if survive >= q {
-                return;
-            }
-            throughput /= q;
-        } else if throughput == Vec3::ZERO {
-            return;
-        }
+        let Some(throughput) = roulette(state.throughput, s.weight, state.depth, survive) else { return };
         state.throughput = throughput;
         state.pdf = s.pdf;
         state.vertex = surface.leave(s.wi);
@@ -266,29 +220,6 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             sum.add(self.run(intersector, start));
         }
         sum.mean(block_length)
-    }
-}
-
-/// Sum of samples in their order, and of their rays.
-#[derive(Default)]
-pub(super) struct BlockSum {
-    sum: [f64; 3],
-    rays: u64,
-}
-
-impl BlockSum {
-    #[inline(always)]
-    pub(super) fn add(&mut self, (value, rays): (Vec3, u32)) {
-        self.rays += u64::from(rays);
-        for (s, x) in self.sum.iter_mut().zip(value.to_array()) {
-            *s += f64::from(x);
-        }
-    }
-
-    /// Mean of `length` samples (a power of two, so that the division is exact), and the sum of their rays.
-    #[inline(always)]
-    pub(super) fn mean(&self, length: u32) -> ([f64; 3], u64) {
-        (self.sum.map(|s| s / f64::from(length.max(1))), self.rays)
     }
 }
 
