@@ -9,7 +9,7 @@ use super::extent;
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
 use crate::math::{self, PI, TAU, Vec3};
 use crate::sampling::warp;
-use crate::scene::{LightKind, LightRecord};
+use crate::scene::{CompiledScene, LightKind, LightRecord};
 
 /// A photon on its way from a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,4 +158,28 @@ pub fn emit(light: &LightRecord, sphere: (Vec3, f32), u: [f32; 4]) -> Emission {
 pub fn emit_environment(radiance: Vec3, sphere: (Vec3, f32), u: [f32; 4]) -> Emission {
     let travel = warp::sample_sphere([u[0], u[1]]);
     Emission { ray: from_infinity(travel, sphere, [u[2], u[3]]), flux: environment_flux(radiance, sphere.1) }
+}
+
+/// Mean flux \[W\] of entry `index` of what emits in a scene: its lights, and after them the environment. 0 beyond that.
+pub fn mean_flux(scene: &CompiledScene, index: usize) -> f32 {
+    math::mean(entry_flux(scene, index))
+}
+
+/// Flux \[W\] per channel of entry `index` of what emits in a scene; see [`mean_flux`].
+pub fn entry_flux(scene: &CompiledScene, index: usize) -> Vec3 {
+    let radius = scene.bounding_sphere().1;
+    match scene.lights.get(index) {
+        Some(light) => flux(light, radius),
+        None if index == scene.lights.len() => environment_flux(Vec3::from_array(scene.environment), radius),
+        None => Vec3::ZERO,
+    }
+}
+
+/// A photon of entry `index` of what emits in a scene, and whether that is a light without size; see [`mean_flux`].
+#[inline]
+pub fn emit_entry(scene: &CompiledScene, index: usize, sphere: (Vec3, f32), u: [f32; 4]) -> (Emission, bool) {
+    match scene.lights.get(index) {
+        Some(light) => (emit(light, sphere, u), is_point_like(light)),
+        None => (emit_environment(Vec3::from_array(scene.environment), sphere, u), false),
+    }
 }

@@ -89,7 +89,7 @@ pub struct Arrival {
 /// What emits in a scene, and how often each is picked: by its mean flux.
 #[derive(Clone, Debug)]
 pub struct LightPlan {
-    /// Lights, then the environment where there is one.
+    /// Lights, then the environment.
     cdf: IntegerCdf,
     fluxes: Vec<Vec3>,
     sphere: (Vec3, f32),
@@ -102,11 +102,8 @@ impl LightPlan {
     /// When nothing in the scene emits, or fluxes are not finite.
     pub fn new(scene: &CompiledScene) -> Result<Self, WeightError> {
         let sphere = scene.bounding_sphere();
-        let mut fluxes: Vec<Vec3> = scene.lights.iter().map(|l| emit::flux(l, sphere.1)).collect();
-        let environment = Vec3::from_array(scene.environment);
-        if environment != Vec3::ZERO {
-            fluxes.push(emit::environment_flux(environment, sphere.1));
-        }
+        // Without an environment its flux is 0, and it is never picked.
+        let fluxes: Vec<Vec3> = (0..=scene.lights.len()).map(|i| emit::entry_flux(scene, i)).collect();
         let weights: Vec<f32> = fluxes.iter().map(|f| math::mean(*f)).collect();
         Ok(Self { cdf: IntegerCdf::try_new(&weights)?, fluxes, sphere })
     }
@@ -119,7 +116,7 @@ impl LightPlan {
     /// Whether there is more than one light to choose from.
     #[inline]
     pub fn has_choice(&self) -> bool {
-        self.fluxes.len() > 1
+        self.cdf.cumulative().len() > 1
     }
 
     /// A photon from the light that the word `pick` chooses, its flux divided by the chance of that light. The first arrival from a light without size does not
@@ -127,10 +124,7 @@ impl LightPlan {
     #[inline]
     pub fn start(&self, scene: &CompiledScene, pick: u32, u: [f32; 4], registers_direct: bool) -> Photon {
         let pick = self.cdf.pick(pick);
-        let (emission, point_like) = match scene.lights.get(pick.index as usize) {
-            Some(light) => (emit::emit(light, self.sphere, u), emit::is_point_like(light)),
-            None => (emit::emit_environment(Vec3::from_array(scene.environment), self.sphere, u), false),
-        };
+        let (emission, point_like) = emit::emit_entry(scene, pick.index as usize, self.sphere, u);
         let photon = Photon::new(emission.ray, emission.flux / pick.pmf);
         Photon { registers_first: registers_direct || !point_like, caustic: point_like, ..photon }
     }
@@ -149,12 +143,6 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     /// A tracer of photons that arrive at most `max_hits` times.
     pub fn new(scene: &'a CompiledScene, max_hits: u32) -> Self {
         Self { scene, max_hits }
-    }
-
-    /// The scene.
-    #[inline(always)]
-    pub fn scene(&self) -> &'a CompiledScene {
-        self.scene
     }
 
     /// The surface at which a photon is, and what arrives there if that counts. `None` ends the walk.

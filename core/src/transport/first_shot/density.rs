@@ -4,13 +4,14 @@ use super::pieces::{LitPiece, colour};
 use super::place::{SLACK, density, on_triangle, within};
 use super::weight::{light_share, look_factor, piece_flux, start_flux};
 use super::{FirstShotError, StartPlan, Weights};
+use crate::direct::emission::EmissionTable;
 use crate::direct::irradiance::from_light;
 use crate::geometry::{Hit, Ray, hit_point_with};
 use crate::light::emit;
 use crate::math::{self, Vec3};
 use crate::sampling::discrete::IntegerCdf;
 use crate::sampling::linear_triangle;
-use crate::scene::{CompiledScene, LightRecord, NO_INDEX};
+use crate::scene::{CompiledScene, NO_INDEX};
 use crate::transport::photon::Photon;
 use alloc::vec::Vec;
 
@@ -47,7 +48,7 @@ impl Look {
     }
 }
 
-/// Where the first place of the entry of a light is among the entries after the pieces.
+/// A light, or the environment, as an entry of the density after the pieces.
 #[derive(Clone, Copy, Debug)]
 struct LightEntry {
     light: u32,
@@ -85,7 +86,6 @@ impl FirstShot {
     ) -> Result<Self, FirstShotError> {
         let scene = plan.scene;
         let sphere = scene.bounding_sphere();
-        let flux = |l: &LightRecord| math::mean(emit::flux(l, sphere.1));
         let mut slots = alloc::vec![NO_INDEX; scene.lights.len()];
         for (slot, light) in plan.lights.iter().enumerate() {
             slots[*light as usize] = slot as u32;
@@ -103,46 +103,40 @@ impl FirstShot {
         for i in 1..ranges.len() {
             ranges[i] += ranges[i - 1];
         }
-        let reflected: f64 = pieces.iter().map(|p| f64::from(p.importance)).sum();
-        let paired: f64 = plan.lights.iter().map(|l| f64::from(flux(&scene.lights[*l as usize]))).sum();
-        let mut importances: Vec<f64> = pieces.iter().map(|p| f64::from(p.importance)).collect();
         let share = match weights {
             Weights::Density => 0.0,
-            Weights::Exact { share } if share > 0.0 && share < 1.0 => f64::from(share),
+            Weights::Exact { share } if share > 0.0 && share < 1.0 => share,
             Weights::Exact { .. } => return Err(FirstShotError::Share),
         };
+        let flux = |light: usize| emit::mean_flux(scene, light);
+        let mut table = EmissionTable::new();
+        for (index, piece) in pieces.iter().enumerate() {
+            // Importances are not 0, so that entry and piece have one number.
+            let sent = Vec3::splat(piece.importance);
+            table.push_pair(index as u32, piece.light, sent, sent).map_err(|_| FirstShotError::Table)?;
+        }
+        let reflected = table.sum().importance();
+        let paired: f32 = plan.lights.iter().map(|l| flux(*l as usize)).sum();
+        // Where no piece was found to be lit, all start at the lights.
+        let sent = if reflected > 0.0 { share / (1.0 - share) * reflected } else { share * paired };
         let mut entries = Vec::new();
         let mut emitted = 0.0;
-        for (index, light) in scene.lights.iter().enumerate() {
-            let (point_like, watts) = (emit::is_point_like(light), f64::from(flux(light)));
-            if point_like {
-                emitted += watts;
+        for light in 0..=scene.lights.len() {
+            let watts = flux(light);
+            if scene.lights.get(light).is_some_and(emit::is_point_like) {
+                emitted += f64::from(watts);
             }
-            let shared = slots[index] != NO_INDEX;
-            let weight = match (shared, reflected > 0.0) {
-                (false, _) => watts,
-                // Where no piece was found to be lit, all start at the lights.
-                (true, true) => share / (1.0 - share) * reflected * watts / paired,
-                (true, false) => share * watts,
-            };
-            if weight > 0.0 {
-                entries.push(LightEntry { light: index as u32, shared });
-                importances.push(weight);
+            let shared = slots.get(light).is_some_and(|slot| *slot != NO_INDEX);
+            let weight = Vec3::splat(if shared { sent * (watts / paired) } else { watts });
+            if table.push_light(light as u32, weight).map_err(|_| FirstShotError::Table)? {
+                entries.push(LightEntry { light: light as u32, shared });
             }
         }
-        let environment = Vec3::from_array(scene.environment);
-        if environment != Vec3::ZERO {
-            entries.push(LightEntry { light: scene.lights.len() as u32, shared: false });
-            importances.push(f64::from(math::mean(emit::environment_flux(environment, sphere.1))));
-        }
-        if importances.iter().any(|x| !x.is_finite()) {
-            return Err(FirstShotError::Table);
-        }
-        let density = IntegerCdf::try_new_f64(&importances).map_err(|_| FirstShotError::Dark)?;
+        let density = table.density().map_err(|_| FirstShotError::Dark)?;
         let mut per_watt = alloc::vec![0.0; scene.lights.len()];
         for (i, entry) in entries.iter().enumerate().filter(|(_, e)| e.shared) {
             let pmf = density.pmf((pieces.len() + i) as u32);
-            per_watt[entry.light as usize] = pmf / flux(&scene.lights[entry.light as usize]);
+            per_watt[entry.light as usize] = pmf / flux(entry.light as usize);
         }
         let (ranks, exact) = (plan.ranks.clone(), share > 0.0);
         Ok(Self {
@@ -156,7 +150,7 @@ impl FirstShot {
             exact,
             sphere,
             emitted,
-            reflected,
+            reflected: f64::from(reflected),
         })
     }
 
@@ -186,7 +180,7 @@ impl FirstShot {
         if self.emitted > 0.0 { self.reflected / self.emitted } else { 0.0 }
     }
 
-    /// A start: `pick` chooses the entry, `u` the place or the light's photon, `look` whether a shadow ray is asked for.
+    /// A start: `pick` chooses the entry; `u` the place (0 and 1) and whether a shadow ray is asked for (3), or the light's photon (all four).
     #[inline]
     pub fn start(&self, scene: &CompiledScene, pick: u32, u: [f32; 4]) -> Option<Start> {
         let pick = self.density.pick(pick);
@@ -218,11 +212,7 @@ impl FirstShot {
     }
 
     fn fly(&self, scene: &CompiledScene, entry: &LightEntry, pmf: f32, u: [f32; 4]) -> Photon {
-        let Some(light) = scene.lights.get(entry.light as usize) else {
-            let e = emit::emit_environment(Vec3::from_array(scene.environment), self.sphere, u);
-            return Photon::new(e.ray, e.flux / pmf);
-        };
-        let e = emit::emit(light, self.sphere, u);
+        let (e, point_like) = emit::emit_entry(scene, entry.light as usize, self.sphere, u);
         let photon = Photon::new(e.ray, e.flux / pmf);
         if entry.shared {
             return Photon {
@@ -233,7 +223,6 @@ impl FirstShot {
                 ..photon
             };
         }
-        let point_like = emit::is_point_like(light);
         Photon { registers_first: !point_like, caustic: point_like, ..photon }
     }
 

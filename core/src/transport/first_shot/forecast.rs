@@ -91,7 +91,7 @@ fn try_photons<I: Intersector + ?Sized>(scene: &CompiledScene, intersector: &I, 
         let pick = numbers.bits4(PICK_GROUP)[0];
         let photon = lights.start(scene, pick, numbers.group4(START_GROUP), false);
         let straight = !photon.registers_first;
-        let mut photon = Photon { survives_first: straight, ..photon };
+        let mut photon = Photon { survives_first: true, ..photon };
         let sent = f64::from(math::mean(photon.flux));
         let (mut carried, mut rays) = (if straight { 0.0 } else { sent }, 0.0);
         loop {

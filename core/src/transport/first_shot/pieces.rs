@@ -1,7 +1,7 @@
 //! Cutting one triangle for one light.
 
-use super::{Care, StartPlan, Subdivision};
-use crate::direct::emission::VertexAlbedo;
+use super::{StartPlan, Subdivision};
+use crate::direct::emission::{VertexAlbedo, emission, emission_textured, importance};
 use crate::direct::irradiance::from_light;
 use crate::direct::subdivide::{Bary, End, Limits, Piece, Workspace};
 use crate::geometry::{Intersector, hit_point_with, triangle_area};
@@ -14,6 +14,9 @@ use crate::scene::{CompiledScene, LightKind, LightRecord, MaterialRecord, materi
 /// Least barycentric of a sample: in the corner of a room a corner would lie in the next wall. Samples further in stay where they are: all of them drawn
 /// towards the centroid by 1 % moved the light of a room of large triangles by 5 cm, and cost 0.5 % of its flux.
 const INSET: f32 = 1.0 / 2048.0;
+
+/// Chance to look from a piece of which all samples saw the light.
+const SURE_LOOKS: f32 = 0.25;
 
 /// Barycentrics that are no less than [`INSET`].
 fn inset(b: [f32; 3]) -> [f32; 3] {
@@ -119,7 +122,7 @@ impl StartPlan<'_> {
             // What arrives behind is not sent on. (At a corner as good as anywhere: the light is on one side of the plane.)
             return 0;
         }
-        let tint = colour(light) * ka;
+        let colour = colour(light);
         let mut rays = 0;
         let mut sample = |b: [f32; 3]| {
             let [_, b1, b2] = inset(b);
@@ -130,8 +133,15 @@ impl StartPlan<'_> {
         };
         let mut keep = |corners: [Bary; 3], weights: [f32; 3], fraction: f32, sure: bool| {
             let area = area * fraction;
-            let albedos = self.bitmap_albedo(triangle, corners.map(Bary::to_f32));
-            let importance = sent(tint, albedos.as_ref(), weights, area);
+            let e = weights.map(|x| colour * x);
+            let importance = match self.bitmap_albedo(triangle, corners.map(Bary::to_f32)) {
+                None => math::mean(emission(ka, area, e)),
+                Some(albedo) => {
+                    let most = emission_textured(ka, area, e, &VertexAlbedo::uniform(albedo.most));
+                    let sent = importance(emission_textured(ka, area, e, &albedo.corners), most);
+                    math::max(sent, math::mean(most) * albedo.least_share)
+                }
+            };
             if importance > 0.0 {
                 let looks = if !sure || weights.contains(&0.0) { 1.0 } else { SURE_LOOKS };
                 emit(LitPiece { triangle, light: light_index, corners, weights, area, importance, looks });
@@ -171,33 +181,4 @@ impl StartPlan<'_> {
         }
         rays
     }
-}
-
-/// Flux \[W\] that a piece sends on, mean of the channels: `tint` is the light's colour times the albedo, `weights` the irradiance at the corners, `albedos` the
-/// bitmap's at the corners with the brightest that it has there. Nonzero wherever light can be reflected: at least an eighth of what the brightest texel
-/// would send, so that no start carries more than eight times its share.
-fn sent(tint: Vec3, albedos: Option<&(VertexAlbedo, Vec3)>, weights: [f32; 3], area: f32) -> f32 {
-    let mean = |f: &dyn Fn(usize) -> f64| (0..3).map(f).sum::<f64>() / 3.0;
-    let w = weights.map(f64::from);
-    let t = tint.to_array().map(f64::from);
-    let all = f64::from(area) * (w[0] + w[1] + w[2]) / 3.0;
-    let sent = match albedos {
-        None => mean(&|c| t[c]) * all,
-        Some((texture, brightest)) => {
-            let at = |i: usize, c: usize| f64::from(texture.at[i][c]) * w[i];
-            let sent = mean(&|c| t[c] * (at(0, c) + at(1, c) + at(2, c))) * f64::from(area) / 3.0;
-            let most = mean(&|c| t[c] * f64::from(brightest[c])) * all;
-            sent.max(most / 8.0)
-        }
-    };
-    // As an f32 that is neither 0 nor infinite where the number is not.
-    if sent > 0.0 { (sent.min(f64::from(f32::MAX)) as f32).max(f32::from_bits(1)) } else { 0.0 }
-}
-
-/// Chance to look from a piece of which all samples saw the light.
-const SURE_LOOKS: f32 = 0.25;
-
-impl Care {
-    /// Looks everywhere alike.
-    pub const EVEN: Self = Self { glance: 0.0, doubt: 0.0, error: 0.0 };
 }

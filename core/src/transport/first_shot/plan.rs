@@ -4,7 +4,7 @@ use super::{FirstShotError, Subdivision};
 use crate::direct::emission::{Bitmap, PieceAlbedo, Published, Pyramid, VertexAlbedo};
 use crate::geometry::HilbertGrid;
 use crate::light::emit;
-use crate::math::{self, Vec3};
+use crate::math::Vec3;
 use crate::scene::{CompiledScene, NO_INDEX};
 use alloc::vec::Vec;
 
@@ -15,6 +15,20 @@ const PAIRS_MAX: u64 = 1 << 22;
 /// a piece, took ten times as long as all the rest of the precomputation of a textured scene.
 const SCAN_TEXELS: f32 = 64.0;
 const COARSE_TEXELS: f32 = 24.0;
+
+/// Share of what its brightest texel would send that a piece counts for at least: a coarse level may be darker than a place, and no start shall carry more
+/// than eight times its share.
+const COARSE_LEAST: f32 = 0.125;
+
+/// What a bitmap reflects within a piece.
+pub(super) struct BitmapAlbedo {
+    /// As light at each corner meets it.
+    pub(super) corners: VertexAlbedo,
+    /// At most.
+    pub(super) most: Vec3,
+    /// The piece counts for at least this share of what it would send with `most`.
+    pub(super) least_share: f32,
+}
 
 /// How albedos of pieces are found.
 enum Albedo<'a> {
@@ -46,8 +60,7 @@ impl<'a> StartPlan<'a> {
         if !scene.shapes.is_empty() {
             return Err(FirstShotError::RoundShapes { count: scene.shapes.len() });
         }
-        let radius = scene.bounding_sphere().1;
-        let flux_of = |i: u32| math::mean(emit::flux(&scene.lights[i as usize], radius));
+        let flux_of = |i: u32| emit::mean_flux(scene, i as usize);
         let mut lights: Vec<u32> = (0..scene.lights.len() as u32)
             .filter(|i| emit::is_point_like(&scene.lights[*i as usize]))
             .collect();
@@ -98,12 +111,8 @@ impl<'a> StartPlan<'a> {
         Some((*self.lights.get(pair / count)?, *self.order.get(pair % count)?))
     }
 
-    /// Albedo of a piece with these barycentrics on its triangle, and the largest that it has anywhere (that of its bitmap, 1 without one).
-    pub(super) fn bitmap_albedo(
-        &self,
-        triangle: u32,
-        corners: [[f32; 3]; 3],
-    ) -> Option<(VertexAlbedo, Vec3)> {
+    /// What the bitmap of a piece with these barycentrics on its triangle reflects; `None` without one.
+    pub(super) fn bitmap_albedo(&self, triangle: u32, corners: [[f32; 3]; 3]) -> Option<BitmapAlbedo> {
         let texture = self.scene.material_of(triangle).texture;
         if texture == NO_INDEX {
             return None;
@@ -113,8 +122,14 @@ impl<'a> StartPlan<'a> {
         let uv = corners.map(|w| [0, 1].map(|k| w[0] * a[k] + w[1] * b[k] + w[2] * c[k]));
         match self.albedos.get(texture as usize)? {
             Albedo::Plain => None,
-            Albedo::Published(rule) => Some((rule.vertex_albedo(uv), Vec3::ONE)),
-            Albedo::Coarse(levels) => Some((levels.coarse(uv, COARSE_TEXELS), levels.brightest(uv))),
+            Albedo::Published(rule) => {
+                Some(BitmapAlbedo { corners: rule.vertex_albedo(uv), most: Vec3::ONE, least_share: 0.0 })
+            }
+            Albedo::Coarse(levels) => Some(BitmapAlbedo {
+                corners: levels.coarse(uv, COARSE_TEXELS),
+                most: levels.brightest(uv),
+                least_share: COARSE_LEAST,
+            }),
         }
     }
 }
