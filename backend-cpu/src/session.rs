@@ -101,12 +101,6 @@ impl CpuSession {
         photons::first_shot(&self.pool, &self.scene, &self.tree, subdivision, weights)
     }
 
-    fn elements(&self, settings: &ElementSettings) -> Arc<Elements> {
-        let Ok(elements) =
-            self.elements.get(settings, || Ok::<_, Infallible>(Elements::new(&self.scene, *settings)));
-        elements
-    }
-
     fn shot_of(&self, job: &PhotonJob) -> Result<Option<Arc<FirstShot>>, FirstShotError> {
         match &job.start {
             PhotonStart::Surfaces { subdivision, weights } => {
@@ -194,6 +188,12 @@ impl Session for CpuSession {
 
     fn preparation(&self) -> &[(&'static str, f64)] {
         &self.preparation
+    }
+
+    fn elements(&self, settings: &ElementSettings) -> Arc<Elements> {
+        let Ok(elements) =
+            self.elements.get(settings, || Ok::<_, Infallible>(Elements::new(&self.scene, *settings)));
+        elements
     }
 
     fn path_image(

@@ -2,45 +2,31 @@
 
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
+mod rooms;
+
 use etendue_core::backend::{
     BackendError, NoControl, PhotonJob, PhotonStart, Session, illumination_film_settings,
 };
 use etendue_core::film::Film;
 use etendue_core::illumination::{ElementSettings, Elements};
-use etendue_core::scene::{
-    LightDesc, MaterialDesc, MaterialKind, MeshDesc, Reflectance, SceneDesc, ShapeDesc, ShapeKind, compile,
-};
+use etendue_core::scene::{LightDesc, MeshDesc, SceneDesc, ShapeKind};
 use etendue_core::transport::first_shot::{FirstShotError, Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
-use etendue_cpu::{CpuBackend, CpuSession};
-use std::sync::Arc;
-
-fn material(name: &str, albedo: f32) -> MaterialDesc {
-    let kind = MaterialKind::Diffuse { albedo: Reflectance::flat([albedo; 3]) };
-    MaterialDesc { name: name.into(), kind, two_sided: true, emission: [0.0; 3] }
-}
-
-fn shape(kind: ShapeKind) -> ShapeDesc {
-    ShapeDesc { kind, material: "wall".into(), interior: String::new(), exterior: String::new() }
-}
+use etendue_cpu::CpuSession;
+use rooms::{diffuse, mean_and_error, session, shape};
 
 /// A closed box of 2 m about `centre`, of one albedo, with a point light of 1 W/sr at `light` from the centre.
 fn room(centre: [f32; 3], albedo: f32, light: [f32; 3]) -> SceneDesc {
     let at = |s: f32| [0, 1, 2].map(|k| centre[k] + s);
     SceneDesc {
-        materials: vec![material("wall", albedo)],
-        shapes: vec![shape(ShapeKind::Box { min: at(-1.0), max: at(1.0) })],
+        materials: vec![diffuse("wall", [albedo; 3], [0.0; 3])],
+        shapes: vec![shape(ShapeKind::Box { min: at(-1.0), max: at(1.0) }, "wall")],
         lights: vec![LightDesc::Point {
             position: [0, 1, 2].map(|k| centre[k] + light[k]),
             intensity: [1.0; 3],
         }],
         ..SceneDesc::default()
     }
-}
-
-fn session(desc: &SceneDesc) -> CpuSession {
-    let scene = compile(desc).unwrap_or_else(|e| panic!("{e}")).0;
-    CpuBackend::new(None).unwrap().open_session(Arc::new(scene)).unwrap()
 }
 
 fn on_surfaces(weights: Weights) -> PhotonStart {
@@ -73,9 +59,7 @@ fn flux(session: &CpuSession, job: &PhotonJob) -> (f64, f64) {
             (0..film.len()).map(|i| film.mean(i)[0] * f64::from(elements.area(i))).sum()
         })
         .collect();
-    let n = each.len() as f64;
-    let mean = each.iter().sum::<f64>() / n;
-    (mean, (each.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
+    mean_and_error(&each)
 }
 
 const STARTS: [fn() -> PhotonStart; 3] =
@@ -88,7 +72,7 @@ fn check_closed(what: &str, desc: &SceneDesc, rho: f64, slack: f64) {
 
 /// The same where coordinates are so coarse that a share `rounding` of it may be lost.
 fn check_rounded(what: &str, desc: &SceneDesc, rho: f64, slack: f64, rounding: f64) {
-    let session = session(desc);
+    let session = session(desc, None);
     let truth = 4.0 * std::f64::consts::PI * rho / (1.0 - rho);
     for start in STARTS {
         let start = start();
@@ -118,11 +102,10 @@ fn a_light_on_a_wall() {
 fn a_light_in_the_plane_of_a_triangle() {
     // A shelf whose plane holds the lamp: it gets no direct light, and no direction to it is defined by its normal.
     let mut desc = room([0.0; 3], 0.5, [0.0; 3]);
-    desc.shapes.push(shape(ShapeKind::Rectangle {
-        center: [0.6, 0.0, 0.0],
-        u: [0.2, 0.0, 0.0],
-        v: [0.0, 0.0, 0.2],
-    }));
+    desc.shapes.push(shape(
+        ShapeKind::Rectangle { center: [0.6, 0.0, 0.0], u: [0.2, 0.0, 0.0], v: [0.0, 0.0, 0.2] },
+        "wall",
+    ));
     check_closed("in a plane", &desc, 0.5, 0.02);
 }
 
@@ -163,7 +146,7 @@ fn one_lit_piece_of_a_millionth_of_the_area() {
         cone_deg: 0.03,
         falloff_deg: 0.03,
     }];
-    let session = session(&desc);
+    let session = session(&desc, None);
     let omega = std::f64::consts::TAU * (1.0 - 0.03_f64.to_radians().cos());
     for start in [PhotonStart::LIGHTS, on_surfaces(Weights::EXACT)] {
         let (mean, error) = flux(&session, &job(start));
@@ -180,13 +163,13 @@ fn one_lit_piece_of_a_millionth_of_the_area() {
 fn a_dark_scene_is_named() {
     let mut desc = room([0.0; 3], 0.5, [0.0; 3]);
     desc.lights.clear();
-    let dark = session(&desc);
+    let dark = session(&desc, None);
     let weights = Weights::EXACT;
     let subdivision = Subdivision::robust(weights);
     assert_eq!(dark.first_shot(&subdivision, weights).unwrap_err(), FirstShotError::Dark);
     assert_eq!(dark.forecast(&subdivision, 1 << 20), Err(BackendError::FirstShot(FirstShotError::Dark)));
     // Lit, but black: nothing is ever sent on.
-    let black = session(&room([0.0; 3], 0.0, [0.0; 3]));
+    let black = session(&room([0.0; 3], 0.0, [0.0; 3]), None);
     assert_eq!(black.first_shot(&subdivision, Weights::Density).unwrap_err(), FirstShotError::Dark);
     let text = FirstShotError::Dark.to_string();
     assert!(text.contains("nothing in the scene emits, or nothing that is lit reflects"), "{text}");
@@ -223,7 +206,7 @@ fn ten_thousand_lights_stay_within_the_budget() {
         }
     }
     desc.meshes.push(mesh);
-    let session = session(&desc);
+    let session = session(&desc, None);
     let triangles = session.scene().triangles.len();
     assert!(triangles * lights as usize > 1 << 22, "the budget must matter");
     let weights = Weights::EXACT;

@@ -2,56 +2,32 @@
 
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
+mod rooms;
+
 use etendue_core::backend::{
     BackendError, Control, NoControl, PathJob, PhotonJob, PhotonStart, Probe, Session, direct_film_settings,
     illumination_film_settings, probe_film_settings,
 };
 use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
-use etendue_core::scene::{
-    LightDesc, MaterialDesc, MaterialKind, Reflectance, SceneDesc, ShapeDesc, ShapeKind, compile,
-};
+use etendue_core::scene::{LightDesc, SceneDesc, ShapeKind};
 use etendue_core::transport::first_shot::{FirstShotError, Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
-use etendue_cpu::{CpuBackend, CpuSession};
+use etendue_cpu::CpuSession;
+use rooms::{diffuse, room, session, shape};
 use std::ops::ControlFlow;
-use std::sync::Arc;
-
-fn shape(kind: ShapeKind, material: &str) -> ShapeDesc {
-    ShapeDesc { kind, material: material.into(), interior: String::new(), exterior: String::new() }
-}
-
-fn material(name: &str, albedo: [f32; 3], emission: [f32; 3]) -> MaterialDesc {
-    let kind = MaterialKind::Diffuse { albedo: Reflectance::flat(albedo) };
-    MaterialDesc { name: name.into(), kind, two_sided: true, emission }
-}
-
-/// Walls of [-1, 1]^3, fronts inward.
-fn room(albedo: [f32; 3], emission: [f32; 3]) -> SceneDesc {
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0_f32]];
-    let mut shapes = Vec::new();
-    for i in 0..3 {
-        for side in [1.0, -1.0_f32] {
-            let center = axes[i].map(|x| x * side);
-            // u x v points along +axis i; the front must face the centre.
-            let (u, v) = (axes[(i + 1) % 3].map(|x| -side * x), axes[(i + 2) % 3]);
-            shapes.push(shape(ShapeKind::Rectangle { center, u, v }, "wall"));
-        }
-    }
-    SceneDesc { shapes, materials: vec![material("wall", albedo, emission)], ..SceneDesc::default() }
-}
 
 /// The room with a box, a sphere, a lamp and three lights without size, all colours different.
 fn furnished() -> SceneDesc {
     let mut desc = room([0.6, 0.5, 0.3], [0.0; 3]);
-    desc.materials.push(material("lamp", [0.2; 3], [4.0, 5.0, 6.0]));
-    desc.materials.push(material("dark", [0.1, 0.2, 0.7], [0.0; 3]));
+    desc.materials.push(diffuse("lamp", [0.2; 3], [4.0, 5.0, 6.0]));
+    desc.materials.push(diffuse("dark", [0.1, 0.2, 0.7], [0.0; 3]));
     desc.shapes.push(shape(
         ShapeKind::Rectangle { center: [0.2, 0.97, 0.1], u: [0.0, 0.0, 0.2], v: [0.3, 0.0, 0.0] },
         "lamp",
     ));
     desc.shapes.push(shape(ShapeKind::Box { min: [-0.7, -0.99, -0.6], max: [-0.2, -0.3, 0.0] }, "dark"));
-    desc.shapes.push(shape(ShapeKind::Sphere { center: [0.5, -0.6, 0.4], radius: 0.3 }, "wall"));
+    desc.shapes.push(shape(ShapeKind::Sphere { center: [0.5, -0.6, 0.4], radius: 0.3 }, "x+"));
     desc.lights.push(LightDesc::Point { position: [-0.4, 0.5, 0.5], intensity: [1.0, 0.8, 0.6] });
     desc.lights.push(LightDesc::Spot {
         position: [0.6, 0.7, -0.5],
@@ -61,11 +37,6 @@ fn furnished() -> SceneDesc {
         falloff_deg: 20.0,
     });
     desc
-}
-
-fn session(desc: &SceneDesc, threads: Option<usize>) -> CpuSession {
-    let (scene, _) = compile(desc).unwrap();
-    CpuBackend::new(threads).unwrap().open_session(Arc::new(scene)).unwrap()
 }
 
 fn elements(session: &CpuSession) -> Elements {

@@ -378,6 +378,11 @@ pub trait Session: Send + Sync {
     /// Seconds that opening took, by stage (name, seconds).
     fn preparation(&self) -> &[(&'static str, f64)];
 
+    /// The scene's surfaces divided into elements; a session may keep what it made last.
+    fn elements(&self, settings: &ElementSettings) -> Arc<Elements> {
+        Arc::new(Elements::new(self.scene(), *settings))
+    }
+
     /// Path-traces an image into `film` (of [`image_film_settings`]). On an error the film is unchanged.
     ///
     /// # Errors

@@ -70,15 +70,12 @@ impl GatherArgs {
         if sampling.method == Some(Method::Photon) {
             return Ok(());
         }
-        let given = [
-            ("--photons", self.photons.is_some()),
-            ("--gather", self.gather.is_some()),
-            ("--element-size", self.photon.has_element_size()),
-        ];
-        match given.iter().find(|g| g.1) {
-            Some((name, _)) => Err(CliError::Usage(format!("{name} needs --method photon"))),
-            None => Ok(()),
-        }
+        let given = match (self.photons, self.gather) {
+            (Some(_), _) => Some("--photons"),
+            (_, Some(_)) => Some("--gather"),
+            _ => self.photon.given(),
+        };
+        given.map_or(Ok(()), |name| Err(CliError::Usage(format!("{name} needs --method photon"))))
     }
 
     /// Adds what decides the bits.

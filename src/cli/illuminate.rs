@@ -6,10 +6,9 @@ use super::job::{Stages, open, read_scene, report, warn_about};
 use super::output::check_folder;
 use super::photon_args::{PhotonArgs, name_of};
 use super::progress::Bar;
-use crate::driver::{self, Budget, Outcome, PhotonSettings, Settings};
+use crate::driver::{self, Budget, MapValues, Outcome, PhotonSettings, Settings};
 use crate::io::{SaveError, write_ply};
-use etendue_core::film::Film;
-use etendue_core::illumination::{Basis, Clustering, Elements, Sides, reconstruct};
+use etendue_core::illumination::{Basis, Elements, Sides};
 use etendue_core::scene::CompiledScene;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -60,44 +59,15 @@ impl Args {
     }
 }
 
-/// Indirect irradiance per element with its standard error \[W/m^2\], as photons say or reconstructed.
-struct Indirect {
-    values: Vec<[f64; 3]>,
-    stderr: Vec<[f64; 3]>,
-    /// Its estimated relative error where it was reconstructed (`None` of a black one).
-    reconstructed: Option<Option<f64>>,
-}
-
-impl Indirect {
-    fn of(film: &Film) -> Self {
-        let stderr = (0..film.len()).map(|i| film.standard_error(i).unwrap_or([0.0; 3])).collect();
-        Self { values: (0..film.len()).map(|i| film.mean(i)).collect(), stderr, reconstructed: None }
-    }
-
-    /// `None` below two replicates.
-    fn reconstructed(scene: &CompiledScene, elements: &Elements, film: &Film) -> Option<Self> {
-        let found = reconstruct(&Clustering::new(scene, elements), elements, film)?;
-        let reconstructed = Some(found.rel_error(|i| elements.weight(i)));
-        Some(Self { values: found.values, stderr: found.stderr, reconstructed })
-    }
-}
-
-/// Standard error of a sum of two independent results.
-#[allow(clippy::disallowed_methods, reason = "an error for people, in f64: no kernel")]
-fn root_of_squares(a: f64, b: f64) -> f64 {
-    a.hypot(b)
-}
-
 /// Writes the sums on the mesh of their elements.
 fn write_map(
     path: &Path,
     scene: &CompiledScene,
     elements: &Elements,
-    direct: &Film,
-    indirect: &Indirect,
+    direct: &MapValues,
+    indirect: &MapValues,
 ) -> Result<(), SaveError> {
     let mesh = elements.mesh(scene);
-    let direct_stderr = |i: usize| direct.standard_error(i).unwrap_or([0.0; 3]);
     let mut properties = Vec::new();
     for (channel, names) in [
         ["direct_r", "indirect_r", "stderr_r"],
@@ -110,12 +80,9 @@ fn write_map(
         let of = |value: &dyn Fn(usize) -> f64| -> Vec<f32> {
             mesh.elements.iter().map(|e| value(*e as usize) as f32).collect()
         };
-        properties.push((names[0], of(&|i| direct.mean(i)[channel])));
+        properties.push((names[0], of(&|i| direct.values[i][channel])));
         properties.push((names[1], of(&|i| indirect.values[i][channel])));
-        properties.push((
-            names[2],
-            of(&|i| root_of_squares(direct_stderr(i)[channel], indirect.stderr[i][channel])),
-        ));
+        properties.push((names[2], of(&|i| direct.stderr_with(indirect, i, channel))));
     }
     match elements.settings().basis {
         Basis::Constant => write_ply(path, &mesh.positions, &mesh.triangles, &[], &properties),
@@ -153,8 +120,9 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         eprintln!("stopped before the first replicate of photons was complete: nothing was written");
         return Ok(ExitCode::from(INTERRUPTED));
     }
-    let elements = Elements::new(scene, photons.elements);
-    let found = args.reconstruct.then(|| Indirect::reconstructed(scene, &elements, &indirect.film)).flatten();
+    let elements = opened.session.elements(&photons.elements);
+    let found =
+        args.reconstruct.then(|| MapValues::reconstructed(scene, &elements, &indirect.film)).flatten();
     if args.reconstruct {
         stages.done("reconstruct");
         if found.is_none() {
@@ -163,8 +131,8 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
             );
         }
     }
-    let found = found.unwrap_or_else(|| Indirect::of(&indirect.film));
-    write_map(&args.output, scene, &elements, &direct.film, &found)?;
+    let found = found.unwrap_or_else(|| MapValues::of(&indirect.film));
+    write_map(&args.output, scene, &elements, &MapValues::of(&direct.film), &found)?;
     stages.done("write");
     tell(args, &opened, &photons, [&direct, &indirect], found.reconstructed, (&settings, &stages));
     if cancelled {

@@ -63,27 +63,56 @@ enum SequenceName {
 /// How photons are traced and summed.
 #[derive(Debug, Args)]
 pub(super) struct PhotonArgs {
-    /// Where photons start
-    #[arg(long, value_enum, default_value_t = From::Auto)]
-    from: From,
-    /// How photons from surfaces are weighted; with `density` they start there unless told otherwise
-    #[arg(long, value_enum, default_value_t = WeightsName::Exact)]
-    weights: WeightsName,
-    /// How lit triangles are cut into pieces, for photons from surfaces
-    #[arg(long, value_enum, default_value_t = Subdivide::Robust)]
-    subdivide: Subdivide,
-    /// Irradiance of the map between its numbers
-    #[arg(long, value_enum, default_value_t = BasisName::Constant)]
-    basis: BasisName,
-    /// Where the numbers of photons come from
-    #[arg(long, value_enum, default_value_t = SequenceName::Sorted)]
-    sequence: SequenceName,
-    /// Longest edge of the map's faces: larger triangles are divided [default: the scene's own triangles]
+    /// Where photons start [default: auto]
+    #[arg(long, value_enum)]
+    from: Option<From>,
+    /// How photons from surfaces are weighted; with `density` they start there unless told otherwise [default: exact]
+    #[arg(long, value_enum)]
+    weights: Option<WeightsName>,
+    /// How lit triangles are cut into pieces, for photons from surfaces [default: robust]
+    #[arg(long, value_enum)]
+    subdivide: Option<Subdivide>,
+    /// Irradiance of the map between its numbers [default: constant]
+    #[arg(long, value_enum)]
+    basis: Option<BasisName>,
+    /// Where the numbers of photons come from [default: sorted]
+    #[arg(long, value_enum)]
+    sequence: Option<SequenceName>,
+    /// Longest edge of the map's faces: larger triangles are divided [default: the scene's own triangles; for render and probe one that suits the scene]
     #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
     element_size: Option<f64>,
 }
 
 impl PhotonArgs {
+    fn weights(&self) -> WeightsName {
+        self.weights.unwrap_or(WeightsName::Exact)
+    }
+
+    fn subdivide(&self) -> Subdivide {
+        self.subdivide.unwrap_or(Subdivide::Robust)
+    }
+
+    fn basis(&self) -> BasisName {
+        self.basis.unwrap_or(BasisName::Constant)
+    }
+
+    fn sequence(&self) -> SequenceName {
+        self.sequence.unwrap_or(SequenceName::Sorted)
+    }
+
+    /// The first option that was given, if any was.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let given = [
+            ("--from", self.from.is_some()),
+            ("--weights", self.weights.is_some()),
+            ("--subdivide", self.subdivide.is_some()),
+            ("--basis", self.basis.is_some()),
+            ("--sequence", self.sequence.is_some()),
+            ("--element-size", self.element_size.is_some()),
+        ];
+        given.into_iter().find(|g| g.1).map(|g| g.0)
+    }
+
     /// The settings for a session and a budget.
     pub(super) fn settings(
         &self,
@@ -91,36 +120,31 @@ impl PhotonArgs {
         budget: Budget,
         sides: Sides,
     ) -> Result<PhotonSettings, BackendError> {
-        let weights = match self.weights {
+        let weights = match self.weights() {
             WeightsName::Exact => Weights::EXACT,
             WeightsName::Density => Weights::Density,
         };
-        let subdivision = match self.subdivide {
+        let subdivision = match self.subdivide() {
             Subdivide::None => Subdivision::None,
             Subdivide::Published => Subdivision::published(),
             Subdivide::Robust => Subdivision::robust(weights),
         };
-        let start = match self.from {
-            From::Auto if self.weights == WeightsName::Exact => choose_start(session, budget)?,
+        let start = match self.from.unwrap_or(From::Auto) {
+            From::Auto if self.weights() == WeightsName::Exact => choose_start(session, budget)?,
             From::Lights => PhotonStart::LIGHTS,
             From::Auto | From::Surfaces => PhotonStart::Surfaces { subdivision, weights },
         };
-        let sequence = match self.sequence {
+        let sequence = match self.sequence() {
             SequenceName::Sorted => Sequence::Sorted,
             SequenceName::Sobol => Sequence::Sobol,
             SequenceName::Random => Sequence::Random,
         };
-        let basis = match self.basis {
+        let basis = match self.basis() {
             BasisName::Constant => Basis::Constant,
             BasisName::Linear => Basis::Linear,
         };
         let largest = self.element_size.map_or(f32::INFINITY, |x| x as f32);
         Ok(PhotonSettings { start, sequence, elements: ElementSettings { basis, sides, largest } })
-    }
-
-    /// Whether the size of elements was given.
-    pub(super) fn has_element_size(&self) -> bool {
-        self.element_size.is_some()
     }
 
     /// Adds the choices, as the user says them, but for where photons start and the size of elements.
@@ -129,11 +153,11 @@ impl PhotonArgs {
             map.insert(name.into(), json!(value.map(|v| v.get_name().to_owned())));
         };
         if matches!(start, PhotonStart::Surfaces { .. }) {
-            add("weights", self.weights.to_possible_value());
-            add("subdivide", self.subdivide.to_possible_value());
+            add("weights", self.weights().to_possible_value());
+            add("subdivide", self.subdivide().to_possible_value());
         }
-        add("basis", self.basis.to_possible_value());
-        add("sequence", self.sequence.to_possible_value());
+        add("basis", self.basis().to_possible_value());
+        add("sequence", self.sequence().to_possible_value());
         map.insert("from".into(), json!(name_of(start)));
     }
 }

@@ -6,6 +6,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "estimates of error for people, in f64: no kernel")]
 
+mod map;
 mod photon;
 
 use crate::metrics::statistics;
@@ -14,6 +15,7 @@ use etendue_core::film::Film;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
+pub use map::MapValues;
 pub use photon::{
     GatherSettings, PhotonSettings, choose_start, direct_irradiance, element_size, illumination,
     photon_image, photon_probes, photons_per_block, photons_per_replicate,

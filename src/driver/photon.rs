@@ -12,7 +12,7 @@ use etendue_core::transport::photon::Sequence;
 /// Most photons of a block's map.
 const PHOTONS_MAX: u64 = 1 << 26;
 /// Square of the longest edge of an element that suits a scene, over its area.
-const ELEMENT_SHARE: f64 = 1.0 / 2048.0;
+const ELEMENT_SHARE: f64 = 1.0 / 32768.0;
 
 /// Photons of a replicate: about a sixteenth of all where their number is known, a power of two, and never so few that adding the replicate up
 /// costs more than its photons.
@@ -92,7 +92,7 @@ pub fn illumination(
     };
     let block_length = photons_per_replicate(settings.budget);
     let first = PathJob { seed: settings.seed, block_length, blocks: 0..0, max_depth: settings.max_depth };
-    let elements = Elements::new(session.scene(), photons.elements);
+    let elements = session.elements(&photons.elements);
     let film = Film::new(backend::illumination_film_settings(session.scene(), &elements, &of(&first))?);
     drive(film, first, settings.budget, watcher, &|i| elements.weight(i), |job, control, film| {
         session.illumination(&of(job), control, film)
@@ -134,7 +134,7 @@ impl GatherSettings {
     }
 }
 
-/// The longest edge of a map's elements that suits a scene \[m\]: about 2^13 elements on all its surfaces together.
+/// The longest edge of a map's elements that suits a scene \[m\]: about 2^17 elements on all its surfaces together.
 pub fn element_size(scene: &CompiledScene) -> f32 {
     // Four elements on a square of this side: two right triangles whose longest edge it must cover.
     (scene.area() * ELEMENT_SHARE).sqrt() as f32
@@ -199,7 +199,7 @@ pub fn direct_irradiance(
     elements: &ElementSettings,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, BackendError> {
-    let divided = Elements::new(session.scene(), *elements);
+    let divided = session.elements(elements);
     let block_length = direct_points(session.scene(), &divided);
     let first = PathJob { seed, block_length, blocks: 0..0, max_depth: 1 };
     let film = Film::new(backend::direct_film_settings(session.scene(), &divided, &first));

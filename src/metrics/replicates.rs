@@ -3,6 +3,7 @@
 //! A map is a list of values per element or per cluster with what each counts for (its area). Errors are relative L2 norms weighted so, `rel_error` of the
 //! table of metrics, all channels together.
 
+use super::statistics::mean_and_variance_of_mean;
 use etendue_core::illumination::{Clusters, Elements};
 
 /// Numbers of one replicate with what each counts for.
@@ -18,11 +19,17 @@ pub fn on(clusters: Option<&Clusters>, elements: &Elements, maps: &[Vec<[f64; 3]
         .collect()
 }
 
-/// Mean of the replicates at a place, and the variance of one of them.
-fn moments(maps: &[Values], i: usize, c: usize) -> (f64, f64) {
-    let n = maps.len() as f64;
-    let mean = maps.iter().map(|m| m[i].0[c]).sum::<f64>() / n;
-    (mean, maps.iter().map(|m| (m[i].0[c] - mean).powi(2)).sum::<f64>() / (n - 1.0))
+/// Mean of the replicates at a place, and the variance of that mean.
+pub fn moments(maps: &[Values], i: usize, c: usize) -> (f64, f64) {
+    let each: Vec<f64> = maps.iter().map(|m| m[i].0[c]).collect();
+    mean_and_variance_of_mean(&each)
+}
+
+/// Mean over everything and all channels together, each place by what it counts for, and the variance of that mean.
+pub fn total(maps: &[Values]) -> (f64, f64) {
+    let sum = |m: &Values| m.iter().map(|(v, w)| w * v.iter().sum::<f64>()).sum::<f64>();
+    let each: Vec<f64> = maps.iter().map(sum).collect();
+    mean_and_variance_of_mean(&each)
 }
 
 /// Relative error of one replicate by the spread of all: sqrt(sum A var / sum A |mean|^2).
@@ -31,8 +38,8 @@ pub fn noise(maps: &[Values]) -> f64 {
     for i in 0..maps[0].len() {
         for c in 0..3 {
             let (mean, v) = moments(maps, i, c);
-            variance += maps[0][i].1 * v;
-            square += maps[0][i].1 * (mean * mean - v / maps.len() as f64);
+            variance += maps[0][i].1 * v * maps.len() as f64;
+            square += maps[0][i].1 * (mean * mean - v);
         }
     }
     (variance / square).sqrt()
@@ -44,7 +51,7 @@ pub fn bias(a: &[Values], b: &[Values]) -> f64 {
     for i in 0..a[0].len() {
         for c in 0..3 {
             let ((ma, va), (mb, vb)) = (moments(a, i, c), moments(b, i, c));
-            distance += a[0][i].1 * ((ma - mb).powi(2) - va / a.len() as f64 - vb / b.len() as f64);
+            distance += a[0][i].1 * ((ma - mb).powi(2) - va - vb);
             square += a[0][i].1 * mb * mb;
         }
     }
@@ -54,8 +61,5 @@ pub fn bias(a: &[Values], b: &[Values]) -> f64 {
 
 /// Mean over everything of `a` over that of `b`, less 1.
 pub fn energy(a: &[Values], b: &[Values]) -> f64 {
-    let total = |maps: &[Values]| {
-        maps.iter().flatten().map(|(v, w)| w * (v[0] + v[1] + v[2])).sum::<f64>() / maps.len() as f64
-    };
-    total(a) / total(b) - 1.0
+    total(a).0 / total(b).0 - 1.0
 }

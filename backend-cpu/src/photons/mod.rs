@@ -12,7 +12,6 @@ use etendue_core::backend::{BackendError, Control, JobStats, PhotonJob, PhotonSt
 use etendue_core::film::Film;
 use etendue_core::geometry::Hit;
 use etendue_core::illumination::{Elements, FluxUnit};
-use etendue_core::sampling::numbers::Numbers;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::TransportCode;
 use etendue_core::transport::first_shot::FirstShot;
@@ -99,10 +98,9 @@ fn replicate(
 ) {
     let job = shared.job;
     let replicate = Replicate::new(shared, number);
-    let random = Numbers::random(job.seed, number);
     with_photon_tracer!(code, shared.scene, job.max_hits, |tracer| {
         pool.install(|| match job.sequence {
-            Sequence::Sorted => wave::walk(&tracer, shared, &replicate, &random, meter),
+            Sequence::Sorted => wave::walk(&tracer, shared, &replicate, meter),
             Sequence::Sobol | Sequence::Random => {
                 (0..job.photons.div_ceil(TASK)).into_par_iter().with_max_len(1).for_each(|task| {
                     if meter.stopped() {

@@ -57,6 +57,8 @@ pub(super) enum Source<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Replicate {
     pub(super) numbers: Numbers,
+    /// Independent ones, for what is drawn once for many photons.
+    random: Numbers,
     /// Whether photons walk along the distribution of starts, one in each of equal parts.
     even: bool,
     shift: u32,
@@ -72,7 +74,12 @@ impl Replicate {
             Sequence::Sobol | Sequence::Sorted => Numbers::sobol(shared.job.seed, replicate),
         };
         let even = shared.job.sequence != Sequence::Random;
-        Self { numbers, even, shift, bits: shared.job.photons.trailing_zeros() }
+        Self { numbers, random, even, shift, bits: shared.job.photons.trailing_zeros() }
+    }
+
+    /// Where systematic roulette of a bounce begins, for the wave of photons from `first` on: a fraction of a photon in units of 2^-32.
+    pub(super) fn roulette_offset(&self, first: u32, bounce: u32) -> u32 {
+        self.random.with_index(first ^ (u32::MAX - 1)).bits4(bounce)[0]
     }
 
     /// The word that chooses where photon `index` starts.

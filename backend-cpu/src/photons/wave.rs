@@ -31,7 +31,7 @@ struct Ordered<'a> {
 /// Most photons that walk together: about 140 bytes each, and what is gained by more of them is little.
 const WAVE: u32 = 1 << 20;
 /// Photons that are fetched together.
-const GATHER: usize = 32;
+const FETCH: usize = 32;
 /// One as a sum of chances.
 const ONE: u64 = 1 << 32;
 
@@ -58,14 +58,14 @@ widest! {
     ) -> (Vec<Leaving>, u64) {
         let Ordered { landed, order, rank } = part;
         let (mut leaving, mut hits) = (Vec::with_capacity(order.len()), 0);
-        let mut near: Vec<Landed> = Vec::with_capacity(GATHER);
+        let mut near: Vec<Landed> = Vec::with_capacity(FETCH);
         for (i, _) in order.iter().enumerate() {
-            if i % GATHER == 0 {
+            if i % FETCH == 0 {
                 // They lie anywhere in memory: fetched in a row, they come while others are still on their way.
                 near.clear();
-                near.extend(order[i..].iter().take(GATHER).map(|key| landed[*key as u32 as usize]));
+                near.extend(order[i..].iter().take(FETCH).map(|key| landed[*key as u32 as usize]));
             }
-            let (mut photon, hit) = near[i % GATHER];
+            let (mut photon, hit) = near[i % FETCH];
             let Some((surface, arrival)) = tracer.land(&photon, &hit) else { continue };
             if let Some(a) = arrival {
                 hits += 1;
@@ -122,12 +122,11 @@ pub(super) fn walk<const L: bool, const T: bool, const S: bool>(
     tracer: &PhotonTracer<'_, L, T, S>,
     shared: &Shared<'_>,
     replicate: &Replicate,
-    random: &Numbers,
     meter: &Meter<'_>,
 ) {
     let photons = shared.job.photons;
     for first in (0..photons).step_by(WAVE as usize) {
-        walk_wave(tracer, shared, replicate, random, first..photons.min(first.saturating_add(WAVE)), meter);
+        walk_wave(tracer, shared, replicate, first..photons.min(first.saturating_add(WAVE)), meter);
     }
 }
 
@@ -135,7 +134,6 @@ fn walk_wave<const L: bool, const T: bool, const S: bool>(
     tracer: &PhotonTracer<'_, L, T, S>,
     shared: &Shared<'_>,
     replicate: &Replicate,
-    random: &Numbers,
     photons: Range<u32>,
     meter: &Meter<'_>,
 ) {
@@ -179,8 +177,7 @@ fn walk_wave<const L: bool, const T: bool, const S: bool>(
                 leaving
             })
             .collect();
-        let [offset, ..] = random.with_index(photons.start ^ (u32::MAX - 1)).bits4(bounce);
-        let mut sum = u64::from(offset);
+        let mut sum = u64::from(replicate.roulette_offset(photons.start, bounce));
         let parts: Vec<(Vec<Leaving>, u64)> = parts
             .into_iter()
             .map(|part| {

@@ -148,6 +148,13 @@ pub fn path_probes(session: &CpuSession, job: &PathJob, probes: &[Probe]) -> Fil
     film
 }
 
+/// Mean and standard error of independent numbers.
+pub fn mean_and_error(each: &[f64]) -> (f64, f64) {
+    let n = each.len() as f64;
+    let mean = each.iter().sum::<f64>() / n;
+    (mean, (each.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
+}
+
 /// Mean and standard error of each channel at each element.
 pub fn results(film: &Film) -> Vec<[(f64, f64); 3]> {
     let at = |i| {
@@ -164,7 +171,7 @@ pub const TILE: usize = 6;
 pub fn tiles(blocks: &[Film]) -> Vec<[(f64, f64); 3]> {
     let settings = blocks[0].settings();
     let (width, height) = (settings.width as usize, settings.height as usize);
-    let (across, n) = (width / TILE, blocks.len() as f64);
+    let across = width / TILE;
     let mean = |film: &Film, tile: usize| -> [f64; 3] {
         let (x, y) = (tile % across * TILE, tile / across * TILE);
         let mut sum = [0.0; 3];
@@ -177,9 +184,8 @@ pub fn tiles(blocks: &[Film]) -> Vec<[(f64, f64); 3]> {
     let of = |tile: usize| {
         let each: Vec<[f64; 3]> = blocks.iter().map(|film| mean(film, tile)).collect();
         [0, 1, 2].map(|c| {
-            let mean = each.iter().map(|x| x[c]).sum::<f64>() / n;
-            let variance = each.iter().map(|x| (x[c] - mean).powi(2)).sum::<f64>() / (n * (n - 1.0));
-            (mean, variance.sqrt())
+            let each: Vec<f64> = each.iter().map(|x| x[c]).collect();
+            mean_and_error(&each)
         })
     };
     (0..across * (height / TILE)).map(of).collect()

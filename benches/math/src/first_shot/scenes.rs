@@ -2,7 +2,7 @@
 
 use etendue::core::scene::{CompiledScene, LightDesc, MaterialKind, SceneDesc, compile};
 use etendue::io::load_scene;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A scene to compare on.
 pub struct Case {
@@ -24,35 +24,15 @@ fn spot(position: [f32; 3], direction: [f32; 3], intensity: [f32; 3], cone_deg: 
     LightDesc::Spot { position, direction, intensity, cone_deg, falloff_deg: 0.7 * cone_deg }
 }
 
-/// Five lamps in the courtyard, four in the galleries.
-fn sponza_lamps() -> Vec<LightDesc> {
-    let (warm, cool) = ([60.0, 48.0, 34.0], [30.0, 38.0, 50.0]);
-    vec![
-        point([-10.0, 5.0, 0.3], warm),
-        point([-5.0, 7.0, -0.6], cool),
-        point([0.3, 4.0, 0.0], warm),
-        spot([5.0, 10.0, 0.5], [0.2, -1.0, 0.1], [300.0, 300.0, 280.0], 35.0),
-        point([10.0, 6.0, -0.4], cool),
-        point([-8.0, 2.2, 5.2], warm),
-        spot([6.0, 2.6, 5.4], [0.5, -0.4, 0.3], [120.0, 90.0, 60.0], 50.0),
-        point([-3.0, 7.6, -5.5], warm),
-        point([8.0, 7.4, 5.3], cool),
-    ]
-}
-
-fn folder(data: &Path) -> PathBuf {
-    data.join("sponza_dabrovic")
-}
-
 fn sponza(data: &Path, textures: bool) -> SceneDesc {
-    let mesh = folder(data).join("sponza.obj");
-    let file = std::env::temp_dir().join(format!("etendue-first-shot-{}.toml", std::process::id()));
-    std::fs::write(&file, format!("[[mesh]]\nfile = {mesh:?}\ntextures = {textures}\n"))
-        .expect("a scene file");
-    let loaded = load_scene(&file).unwrap_or_else(|e| panic!("{e}"));
-    std::fs::remove_file(&file).ok();
-    let mut desc = loaded.desc;
-    desc.lights = sponza_lamps();
+    let file = data.join("sponza_dabrovic/sponza.obj");
+    let mut desc = load_scene(&file).unwrap_or_else(|e| panic!("{e}")).desc;
+    desc.lights = ours("sponza_lamps.toml").lights;
+    if !textures {
+        for mesh in &mut desc.meshes {
+            mesh.textures = false;
+        }
+    }
     desc
 }
 
