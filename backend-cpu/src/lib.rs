@@ -8,6 +8,7 @@ mod linear;
 pub mod linear_triangle;
 pub mod log_offset;
 mod photons;
+mod radiosity;
 mod schedule;
 mod session;
 mod simd;

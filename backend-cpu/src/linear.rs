@@ -30,7 +30,16 @@ impl Linear {
 
     /// Whether there is nothing to share: then the caller's own thread works, and nobody is woken.
     fn alone(&self) -> bool {
-        self.pool.current_num_threads() <= 1
+        self.threads() <= 1
+    }
+
+    pub(crate) fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// Runs on these threads.
+    pub(crate) fn install<T: Send>(&self, run: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(run)
     }
 
     pub(crate) fn on(pool: Arc<rayon::ThreadPool>) -> Self {

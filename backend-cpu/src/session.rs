@@ -1,18 +1,27 @@
 //! A scene with its tree, and the jobs on it.
 
+use crate::linear::Linear;
 use crate::photons::{self, Photons, Target};
+use crate::radiosity;
 use crate::schedule::{image_chunks, run_blocks, single_chunks};
 use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{
-    self, BackendError, Control, GatherJob, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session,
+    self, BackendError, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob, PhotonJob,
+    PhotonStart, Probe, Session,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::SurfacePoint;
-use etendue_core::illumination::{ElementSettings, Elements};
+use etendue_core::illumination::{ElementSettings, Elements, Sides};
 use etendue_core::math::Vec3;
+use etendue_core::radiosity::form_factors::Row;
+use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
+use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
+use etendue_core::radiosity::tiles::Rates;
+use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, FirstShot, FirstShotError, Forecast, Subdivision, Weights};
+use etendue_core::transport::gather::{MapView, ProbePlace};
 use etendue_core::transport::path::PathTracer;
 use etendue_core::transport::{TransportCode, place_probe, resolve_probe};
 use etendue_core::with_path_tracer;
@@ -131,6 +140,48 @@ impl CpuSession {
         let shot = self.shot_of(&maps)?;
         let photons = self.photons(&maps, &elements, shot.as_deref());
         photons::gather(&self.pool, photons, job, target, control, film)
+    }
+
+    /// Probes on their surfaces. Without a final gather each needs one.
+    fn places(&self, probes: &[Probe], gather: bool) -> Result<Vec<ProbePlace>, BackendError> {
+        let places: Vec<_> = backend::check_probes(probes)?
+            .into_iter()
+            .map(|(p, n)| place_probe(&self.scene, &self.tree, p, n))
+            .collect();
+        match places.iter().position(|p| p.hit.is_none()) {
+            Some(index) if !gather => {
+                let reason =
+                    "it lies on no surface, and a map is read on surfaces alone: a final gather needs none";
+                Err(BackendError::BadProbe { index, reason })
+            }
+            _ => Ok(places),
+        }
+    }
+
+    fn read(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        target: Target<'_>,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let elements = self.elements(&map.elements);
+        if map.elements.sides != Sides::Apart || map.values.len() != elements.count() {
+            return Err(BackendError::BadJob {
+                reason: "the map has another number of elements than the scene, or its sides are together",
+            });
+        }
+        let view = MapView { elements: &elements, all: map.values, caustics: &[] };
+        photons::read(
+            &self.pool,
+            (&self.scene, &self.tree, self.code),
+            job,
+            (&view, map.gather),
+            target,
+            control,
+            film,
+        )
     }
 
     fn check(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
@@ -295,17 +346,79 @@ impl Session for CpuSession {
         let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
         job.check(&self.scene)?;
         self.check_film("photon", film, &expected)?;
-        let places: Vec<_> = backend::check_probes(probes)?
-            .into_iter()
-            .map(|(p, n)| place_probe(&self.scene, &self.tree, p, n))
-            .collect();
-        if !job.gather
-            && let Some(index) = places.iter().position(|p| p.hit.is_none())
-        {
-            let reason =
-                "it lies on no surface, and a map is read on surfaces alone: a final gather needs none";
-            return Err(BackendError::BadProbe { index, reason });
-        }
+        let places = self.places(probes, job.gather)?;
         self.gather(job, Target::Probes(&places), control, film)
+    }
+
+    fn map_image(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.check(job, film, &expected)?;
+        let target = Target::Image { width: expected.width, height: expected.height };
+        self.read(job, map, target, control, film)
+    }
+
+    fn map_probes(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, job, probes.len());
+        self.check(job, film, &expected)?;
+        let places = self.places(probes, map.gather)?;
+        self.read(job, map, Target::Probes(&places), control, film)
+    }
+
+    fn patches(&self, settings: &PatchSettings) -> Result<PatchMap, BackendError> {
+        let needs = &self.scene.needs;
+        let missing = needs.beyond_surfaces().or_else(|| {
+            let list = [
+                (needs.mirrors, "mirrors"),
+                (needs.glossy, "Phong lobes"),
+                (needs.round_shapes, "spheres and disks"),
+            ];
+            list.into_iter().find(|l| l.0).map(|l| l.1.into())
+        });
+        if let Some(missing) = missing {
+            return Err(BackendError::SceneNeeds { method: "radiosity", missing });
+        }
+        let elements = self.elements(&settings.elements(&self.scene));
+        Ok(radiosity::patches(&self.pool, &self.scene, &self.tree, elements, settings))
+    }
+
+    fn form_factors(
+        &self,
+        map: &PatchMap,
+        job: &FormFactorJob,
+        control: &dyn Control,
+    ) -> Result<Vec<Row>, BackendError> {
+        radiosity::form_factors(&self.pool, (&self.scene, &self.tree), map, job, control)
+    }
+
+    fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {
+        Ok(radiosity::transfer(&self.pool, &self.scene, &self.tree, map))
+    }
+
+    fn with_coarse(&self, relighter: Relighter, rates: Rates) -> Result<Relighter, RelightError> {
+        relighter.with_coarse(&Linear::on(self.pool.clone()), rates)
+    }
+
+    fn relight(
+        &self,
+        relighter: &Relighter,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        passes: u32,
+        room: &mut Workspace,
+    ) -> Result<(), RelightError> {
+        relighter.relight(&Linear::on(self.pool.clone()), light, indirect, passes, room)
     }
 }

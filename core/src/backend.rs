@@ -9,12 +9,19 @@ use crate::film::{Film, FilmError, FilmSettings, scale_exponent};
 use crate::illumination::{self, ElementSettings, Elements, Sides};
 use crate::kernel::Kernel;
 use crate::math::Vec3;
+use crate::radiosity::form_factors::Row;
+use crate::radiosity::patches::{PatchMap, PatchSettings};
+use crate::radiosity::polynomial;
+use crate::radiosity::relight::{self, RelightError, Relighter, Workspace};
+use crate::radiosity::tiles::Rates;
+use crate::radiosity::transfer::Transfer;
 use crate::scene::CompiledScene;
 use crate::transport::first_shot::{FirstShotError, Forecast, Subdivision, Weights};
 use crate::transport::photon::{LightPlan, Sequence};
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::sync::Arc;
+use alloc::vec::Vec;
 use core::fmt;
 use core::ops::{ControlFlow, Range};
 
@@ -361,6 +368,28 @@ impl GatherJob {
     }
 }
 
+/// Numbers of a map of one scene.
+#[derive(Clone, Copy, Debug)]
+pub struct GivenMap<'a> {
+    /// What it is divided into; sides must be apart.
+    pub elements: ElementSettings,
+    /// Irradiance \[W/m^2\] per element, the direct light of lights without size left out.
+    pub values: &'a [[f32; 3]],
+    /// Whether the first diffuse surface gathers its light by rays, instead of being read itself.
+    pub gather: bool,
+}
+
+/// Rays between patches.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FormFactorJob {
+    /// Seed of all rays.
+    pub seed: u64,
+    /// Rays of a patch of mean area; larger ones have more, by area.
+    pub rays: u32,
+    /// The patches to do.
+    pub patches: Range<u32>,
+}
+
 /// A point on a surface where irradiance is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
@@ -475,6 +504,92 @@ pub trait Session: Send + Sync {
         let _ = (job, probes, control, film);
         Err(BackendError::Unsupported { backend: "chosen", what: "probes from illumination maps".into() })
     }
+
+    /// An image from a map that is given: numbers per element ([`crate::transport::gather::MapView::all`]). Into `film` (of [`image_film_settings`]). On an error the film is unchanged.
+    ///
+    /// # Errors
+    /// When the scene needs more than surfaces, has no camera, the map or the film does not fit, the control cancels, or the backend has no such job.
+    fn map_image(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let _ = (job, map, control, film);
+        Err(BackendError::Unsupported { backend: "chosen", what: "images from illumination maps".into() })
+    }
+
+    /// The irradiance at probes from a map that is given, into `film` (of [`probe_film_settings`]). On an error the film is unchanged.
+    ///
+    /// # Errors
+    /// As for images but for the camera; also when a probe is not finite or has no normal, or without a final gather lies on no surface.
+    fn map_probes(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let _ = (job, map, probes, control, film);
+        Err(BackendError::Unsupported { backend: "chosen", what: "probes from illumination maps".into() })
+    }
+
+    /// The scene as patches; see [`crate::radiosity::patches`].
+    ///
+    /// # Errors
+    /// When surfaces are not all diffuse triangles, or the backend has no patches.
+    fn patches(&self, settings: &PatchSettings) -> Result<PatchMap, BackendError> {
+        let _ = settings;
+        Err(BackendError::Unsupported { backend: "chosen", what: "patches".into() })
+    }
+
+    /// What the rays of patches meet, for the patches of the job's range, in their order.
+    ///
+    /// # Errors
+    /// When the control cancels, or the backend has no patches.
+    fn form_factors(
+        &self,
+        map: &PatchMap,
+        job: &FormFactorJob,
+        control: &dyn Control,
+    ) -> Result<Vec<Row>, BackendError> {
+        let _ = (map, job, control);
+        Err(BackendError::Unsupported { backend: "chosen", what: "form factors".into() })
+    }
+
+    /// How numbers of patches become numbers of elements; see [`crate::radiosity::transfer`].
+    ///
+    /// # Errors
+    /// When the backend has no patches.
+    fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {
+        let _ = map;
+        Err(BackendError::Unsupported { backend: "chosen", what: "patches".into() })
+    }
+
+    /// Makes the second level of a relighter; see [`Relighter::with_coarse`].
+    ///
+    /// # Errors
+    /// As there.
+    fn with_coarse(&self, relighter: Relighter, rates: Rates) -> Result<Relighter, RelightError> {
+        relighter.with_coarse(&polynomial::Portable, rates)
+    }
+
+    /// Indirect irradiance on patches; see [`Relighter::relight`], whose bits these are.
+    ///
+    /// # Errors
+    /// Of numbers that do not fit.
+    fn relight(
+        &self,
+        relighter: &Relighter,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        passes: u32,
+        room: &mut Workspace,
+    ) -> Result<(), RelightError> {
+        relighter.relight(&relight::Portable, light, indirect, passes, room)
+    }
 }
 
 /// Settings of the film of a job of direct irradiance on this scene: one row of its elements.
@@ -528,8 +643,8 @@ fn film_settings(scene: &CompiledScene, job: &PathJob, width: u32, height: u32) 
 ///
 /// # Errors
 /// The first probe that is not finite or has no normal.
-pub fn check_probes(probes: &[Probe]) -> Result<alloc::vec::Vec<(Vec3, Vec3)>, BackendError> {
-    let mut out = alloc::vec::Vec::with_capacity(probes.len());
+pub fn check_probes(probes: &[Probe]) -> Result<Vec<(Vec3, Vec3)>, BackendError> {
+    let mut out = Vec::with_capacity(probes.len());
     for (index, p) in probes.iter().enumerate() {
         if p.position.iter().chain(&p.normal).any(|x| !x.is_finite()) {
             return Err(BackendError::BadProbe { index, reason: "position and normal must be finite" });

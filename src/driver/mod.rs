@@ -8,6 +8,7 @@
 
 mod map;
 mod photon;
+pub mod radiosity;
 
 use crate::metrics::statistics;
 use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session};
@@ -182,6 +183,13 @@ struct PassControl<'a> {
     rel_error: Option<f64>,
     /// Part of the whole job that is done before this pass and after it.
     span: Option<[f64; 2]>,
+}
+
+impl<'a> PassControl<'a> {
+    /// Of a job that is one pass.
+    fn whole(watcher: &'a dyn Watcher, samples: u64) -> Self {
+        Self { watcher, start: Instant::now(), samples, rel_error: None, span: Some([0.0, 1.0]) }
+    }
 }
 
 impl Control for PassControl<'_> {

@@ -6,6 +6,8 @@ use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{BackendError, Control, GatherJob, JobStats, PathJob};
 use etendue_core::film::Film;
+use etendue_core::scene::CompiledScene;
+use etendue_core::transport::TransportCode;
 use etendue_core::transport::gather::{GatherLights, GatherTracer, MapView, ProbePlace};
 use etendue_core::transport::photon::LightPlan;
 use etendue_core::with_gather_tracer;
@@ -79,6 +81,25 @@ widest! {
             }
         }
     }
+}
+
+/// Runs a job whose map is given; the film is changed at the end or not at all.
+pub(crate) fn read(
+    pool: &rayon::ThreadPool,
+    (scene, tree, code): (&CompiledScene, &Tree, TransportCode),
+    job: &PathJob,
+    (map, gather): (&MapView<'_>, bool),
+    target: Target<'_>,
+    control: &dyn Control,
+    film: &mut Film,
+) -> Result<JobStats, BackendError> {
+    let lights = GatherLights::new(scene);
+    let chunks = target.chunks();
+    let ground = Ground { tree, target, job };
+    with_gather_tracer!(code, scene, &lights, job.max_depth, gather, |tracer| {
+        let mean = |element, block| element_block(&tracer, &ground, map, element, block);
+        run_blocks(pool, job, &chunks, mean, control, film)
+    })
 }
 
 /// Runs a job whose maps `photons` makes; the film is changed at the end or not at all.

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 pub(crate) use direct::direct;
-pub(crate) use gather::{Target, gather};
+pub(crate) use gather::{Target, gather, read};
 pub(crate) use starts::first_shot;
 use starts::{Replicate, Source};
 use sums::{Part, Sums};

@@ -361,19 +361,48 @@ impl Elements {
     /// A point of an element of the constant basis from two numbers in [0, 1), and the unit normal of its side; `None` for the linear basis, round shapes and elements
     /// beyond the last. Uniform but for slivers that count for the element.
     pub fn point_on(&self, scene: &CompiledScene, element: usize, u: [f32; 2]) -> Option<(Vec3, Vec3)> {
-        let (side, index) = (element / self.areas.len().max(1), (element % self.areas.len().max(1)) as u32);
         if self.settings.basis == Basis::Linear || element >= self.count() {
             return None;
         }
+        let index = (element % self.areas.len()) as u32;
         // Slivers have no divisions of their own.
         let own =
             |p: &Place| p.divisions > 0 && p.first <= index && index < p.first + p.divisions * p.divisions;
         let primitive = self.places.iter().position(own)? as u32;
-        let [_, l1, l2] = crate::sampling::warp::sample_triangle(u);
-        let [b1, b2] = self.in_cell(primitive, index - self.places[primitive as usize].first, [l1, l2]);
+        let [b1, b2] = self.bary_on(primitive, element as u32, u);
         let n = Vec3::from_array(scene.surfaces[primitive as usize].normal);
         let v = scene.primitives().vertices(primitive)?;
-        Some((position(v, b1, b2), if side == 0 { n } else { -n }))
+        Some((position(v, b1, b2), if self.is_back(element as u32) { -n } else { n }))
+    }
+
+    /// Whether an element is of the back side of its surface.
+    #[inline]
+    pub fn is_back(&self, element: u32) -> bool {
+        element as usize >= self.areas.len()
+    }
+
+    /// Barycentrics of vertices 1 and 2 on a triangle of a point of one of its elements (of either side) of the constant basis, from two numbers in [0, 1). Elements that are not
+    /// the triangle's count as its first.
+    #[inline]
+    pub fn bary_on(&self, primitive: u32, element: u32, u: [f32; 2]) -> [f32; 2] {
+        let [_, l1, l2] = crate::sampling::warp::sample_triangle(u);
+        let first = self.places.get(primitive as usize).map_or(0, |p| p.first);
+        let index = if self.is_back(element) { element - self.areas.len() as u32 } else { element };
+        let cell = index.checked_sub(first).filter(|c| *c < self.cells(primitive)).unwrap_or(0);
+        self.in_cell(primitive, cell, [l1, l2])
+    }
+
+    /// The triangle of each element of one side, slivers that count for another's element aside; [`NO_INDEX`](crate::scene::NO_INDEX) for those of round shapes and under the linear basis.
+    pub fn owners(&self) -> Vec<u32> {
+        let mut owners = alloc::vec![crate::scene::NO_INDEX; self.areas.len()];
+        if self.settings.basis == Basis::Linear {
+            return owners;
+        }
+        for (t, place) in self.places.iter().enumerate().filter(|(_, p)| p.divisions > 0) {
+            let parts = (place.divisions * place.divisions) as usize;
+            owners[place.first as usize..][..parts].fill(t as u32);
+        }
+        owners
     }
 
     /// Where each element is, in the order of elements.

@@ -31,7 +31,7 @@ pub use exp_ln::{exp, exp2, ln, log2};
 pub use glam::{Vec2, Vec3};
 pub use inverse_trig::{acos, asin, atan, atan2};
 pub use pow::pow;
-pub use root_functions::{cbrt, sqrt, sqrt_clamped};
+pub use root_functions::{cbrt, sqrt, sqrt_clamped, sqrt64};
 pub use roots::{discriminant, quadratic_roots};
 pub use rounding::{abs, ceil, clamp, copysign, floor, fract, max, min, round, trunc};
 pub use sums::{Compensated, two_prod, two_sum};

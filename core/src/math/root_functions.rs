@@ -18,6 +18,19 @@ pub fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)
 }
 
+/// Square root in f64, correctly rounded; for the host. A negative `x` gives NaN.
+#[inline(always)]
+#[must_use]
+pub fn sqrt64(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    #[allow(clippy::disallowed_methods, reason = "this is the door")]
+    {
+        x.sqrt()
+    }
+    #[cfg(not(feature = "std"))]
+    libm::sqrt(x)
+}
+
 /// Square root of the larger of `x` and 0, correctly rounded: never NaN (NaN counts as 0).
 #[inline(always)]
 #[must_use]

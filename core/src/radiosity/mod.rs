@@ -2,8 +2,16 @@
 //!
 //! - [`lanes`]: sums in one fixed order, on which everything here rests;
 //! - [`operator`]: form factors as a linear operator, dense or as the half that symmetry leaves;
+//! - [`patches`]: what of the surfaces is one unknown, [`form_factors`] between them, and their [`order`];
+//! - [`tiles`]: form factors in few bits; [`relight`]: all bounces in three passes over them; [`transfer`] from patches back to surfaces;
 //! - [`polynomial`]: all bounces of light as a sum of powers of one operator.
 
+pub mod form_factors;
 pub mod lanes;
 pub mod operator;
+pub mod order;
+pub mod patches;
 pub mod polynomial;
+pub mod relight;
+pub mod tiles;
+pub mod transfer;

@@ -13,6 +13,7 @@ mod surface;
 
 use crate::geometry::{Hit, Intersector, Ray};
 
+pub(crate) use surface::albedo_at;
 pub use surface::{Surface, TransportCode, place_probe, resolve_probe, surface_at};
 
 /// What an estimator wants to know next.

@@ -135,6 +135,17 @@ pub fn surface_at<const LOBES: bool, const TEXTURES: bool, const SHADING: bool>(
     Some(Surface { point, front, geometric, shading, wo, lobes, light: record.light, from_front })
 }
 
+/// Albedo per channel at a hit, the bitmap included; black for an unknown primitive. Sides are not asked for.
+pub(crate) fn albedo_at(scene: &CompiledScene, hit: &Hit) -> Vec3 {
+    let Some(record) = scene.surfaces.get(hit.primitive as usize) else { return Vec3::ZERO };
+    let Some(material) = scene.materials.get(record.material as usize) else { return Vec3::ZERO };
+    let albedo = Vec3::from_array(material.albedo);
+    if material.texture == NO_INDEX {
+        return albedo;
+    }
+    albedo * textured(scene, material.texture, scene.triangles.get(hit.primitive as usize).copied(), hit)
+}
+
 #[inline]
 fn textured(scene: &CompiledScene, texture: u32, vertex: Option<[u32; 3]>, hit: &Hit) -> Vec3 {
     let (Some(t), Some(record)) = (vertex, scene.textures.get(texture as usize)) else { return Vec3::ONE };

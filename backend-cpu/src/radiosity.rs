@@ -1,0 +1,215 @@
+//! Patches and form factors over a pool of threads, and relighting in wide registers.
+
+use crate::linear::Linear;
+use crate::simd::widest;
+use crate::tree::Tree;
+use etendue_core::backend::{BackendError, Control, FormFactorJob};
+use etendue_core::geometry::Intersector;
+use etendue_core::illumination::{Clustering, Elements};
+use etendue_core::radiosity::form_factors::reach::{self, From};
+use etendue_core::radiosity::form_factors::{Row, rays};
+use etendue_core::radiosity::patches::{PatchMap, PatchSettings, Patches};
+use etendue_core::radiosity::relight::Products;
+use etendue_core::radiosity::tiles::{Planes, SIDE, STRIPE_ROWS, Scratch, Tiles, add_columns, tile_rows};
+use etendue_core::radiosity::transfer::{self, PatchGrid, Transfer};
+use etendue_core::sampling::numbers::Numbers;
+use etendue_core::scene::CompiledScene;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// Walks for each element, and the least and most of all.
+const WALKS_PER_ELEMENT: u64 = 4;
+const WALKS: [u64; 2] = [1 << 14, 1 << 21];
+/// Walks of one task.
+const TASK: u32 = 1 << 10;
+/// Replicate of the walks from infinity; that of the others is 0.
+const FROM_INFINITY: u32 = 1;
+
+widest! {
+    /// Walks of a range; whether any left the scene.
+    fn walks(ground: (&CompiledScene, &Tree, &Elements), from: From, numbers: &Numbers, range: std::ops::Range<u32>, reached: &[AtomicBool]) -> bool {
+        let (scene, tree, elements) = ground;
+        let mut left = false;
+        for i in range {
+            left |= reach::walk(scene, tree, elements, from, &numbers.with_index(i), |element| {
+                reached[element as usize].store(true, Ordering::Relaxed);
+            });
+        }
+        left
+    }
+}
+
+/// The element sides that light can get to.
+fn reached(
+    pool: &rayon::ThreadPool,
+    scene: &CompiledScene,
+    tree: &Tree,
+    elements: &Elements,
+    seed: u64,
+) -> Vec<bool> {
+    let reached: Vec<AtomicBool> = (0..elements.count()).map(|_| AtomicBool::new(false)).collect();
+    let count = (elements.count() as u64 * WALKS_PER_ELEMENT).clamp(WALKS[0], WALKS[1]) as u32;
+    let run = |from: From, replicate: u32| {
+        let numbers = Numbers::sobol(seed, replicate);
+        let tasks = (0..count.div_ceil(TASK)).into_par_iter();
+        pool.install(|| {
+            tasks
+                .map(|t| {
+                    walks(
+                        (scene, tree, elements),
+                        from,
+                        &numbers,
+                        t * TASK..count.min((t + 1) * TASK),
+                        &reached,
+                    )
+                })
+                .reduce(|| false, |a, b| a | b)
+        })
+    };
+    let inside = reach::has_inside(scene);
+    let left = inside && run(From::Inside, 0);
+    // What leaves can come in the same way.
+    if !inside || left || reach::has_infinity(scene) {
+        run(From::Infinity, FROM_INFINITY);
+    }
+    reached.into_iter().map(AtomicBool::into_inner).collect()
+}
+
+/// The patches of a scene.
+pub(crate) fn patches(
+    pool: &rayon::ThreadPool,
+    scene: &CompiledScene,
+    tree: &Tree,
+    elements: Arc<Elements>,
+    settings: &PatchSettings,
+) -> PatchMap {
+    let reached = reached(pool, scene, tree, &elements, settings.seed);
+    let clustering = Clustering::new(scene, &elements);
+    // A side that walks have missed counts where its surroundings were met: walks are few.
+    let near = clustering.by_size(elements.settings().largest);
+    let mut met = vec![false; near.count];
+    for (element, cluster) in near.of.iter().enumerate() {
+        if let Some(met) = met.get_mut(*cluster as usize) {
+            *met |= reached[element];
+        }
+    }
+    let live =
+        |element: usize| near.of.get(element).and_then(|c| met.get(*c as usize)).copied().unwrap_or(false);
+    let clusters = clustering.retain(live).by_count(settings.count as usize);
+    let patches = Patches::new(scene, &elements, &clusters);
+    PatchMap { elements, patches }
+}
+
+widest! {
+    fn trace(ground: (&CompiledScene, &Tree, &PatchMap), patch: usize, rays: (u64, u32), counts: &mut [u32]) -> Row {
+        let (scene, tree, map) = ground;
+        rays::trace(scene, tree, &map.elements, &map.patches, patch, rays, counts)
+    }
+}
+
+/// The rows of a job.
+pub(crate) fn form_factors(
+    pool: &rayon::ThreadPool,
+    (scene, tree): (&CompiledScene, &Tree),
+    map: &PatchMap,
+    job: &FormFactorJob,
+    control: &dyn Control,
+) -> Result<Vec<Row>, BackendError> {
+    let n = map.patches.len();
+    let mean_area = map.patches.list().iter().map(|p| f64::from(p.area)).sum::<f64>() / n.max(1) as f64;
+    let end = (job.patches.end as usize).min(n);
+    let range = (job.patches.start as usize).min(end)..end;
+    let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
+    let all = range.len() as u64;
+    let rows: Vec<Row> = pool.install(|| {
+        range
+            .into_par_iter()
+            .with_max_len(16)
+            .map_init(
+                || vec![0_u32; n],
+                |counts, patch| {
+                    if stopped.load(Ordering::Relaxed) {
+                        return Row::default();
+                    }
+                    let rays = rays::share(job.rays, map.patches.list()[patch].area, mean_area as f32);
+                    let row = trace((scene, tree, map), patch, (job.seed, rays), counts);
+                    if control.advance(done.fetch_add(1, Ordering::Relaxed) + 1, all).is_break() {
+                        stopped.store(true, Ordering::Relaxed);
+                    }
+                    row
+                },
+            )
+            .collect()
+    });
+    if stopped.into_inner() { Err(BackendError::Cancelled) } else { Ok(rows) }
+}
+
+/// Weights of patches for all elements.
+pub(crate) fn transfer(
+    pool: &rayon::ThreadPool,
+    scene: &CompiledScene,
+    tree: &Tree,
+    map: &PatchMap,
+) -> Transfer {
+    let (grid, places) = (PatchGrid::new(map), transfer::places(scene, map));
+    let lists = pool.install(|| {
+        (0..map.elements.count())
+            .into_par_iter()
+            .map(|element| match Transfer::place(map, &places, element) {
+                Some(place) => grid.weights(map, place, |ray| tree.occluded(ray)),
+                None => Vec::new(),
+            })
+            .collect()
+    });
+    Transfer::new(lists)
+}
+
+widest! {
+    fn stripe[const C: usize](tiles: &Tiles, first: usize, x: &[Planes<C>], y: &mut [Planes<C>], columns: &mut [Planes<C>]) {
+        tiles.stripe(first, x, y, columns);
+    }
+}
+
+impl Products for Linear {
+    fn apply<const C: usize>(
+        &self,
+        tiles: &Tiles,
+        x: &[Planes<C>],
+        y: &mut [Planes<C>],
+        scratch: &mut Scratch<C>,
+    ) {
+        let rows = tile_rows(tiles.len()).min(y.len());
+        let zero = [[0.0; SIDE]; C];
+        if self.threads() <= 1 || rows <= STRIPE_ROWS {
+            scratch.columns.resize(rows, zero);
+            for first in (0..rows).step_by(STRIPE_ROWS) {
+                let end = rows.min(first + STRIPE_ROWS);
+                scratch.columns[..end].fill(zero);
+                stripe(tiles, first, x, &mut y[first..end], &mut scratch.columns[..end]);
+                add_columns(y, &scratch.columns[..end]);
+            }
+            return;
+        }
+        // Each stripe has columns of its own; they are added in the order of stripes.
+        let stripes = rows.div_ceil(STRIPE_ROWS);
+        scratch.columns.clear();
+        scratch.columns.resize(rows * stripes, zero);
+        self.install(|| {
+            scratch
+                .columns
+                .par_chunks_mut(rows)
+                .zip(y[..rows].par_chunks_mut(STRIPE_ROWS))
+                .enumerate()
+                .rev()
+                .for_each(|(k, (columns, y))| {
+                    let first = k * STRIPE_ROWS;
+                    stripe(tiles, first, x, y, &mut columns[..first + y.len()]);
+                });
+        });
+        for (k, columns) in scratch.columns.chunks(rows).enumerate() {
+            let end = rows.min((k + 1) * STRIPE_ROWS);
+            add_columns(y, &columns[..end]);
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Which sides of surfaces light can get to at all.
+//!
+//! Solids have insides, and as patches these would be half of all numbers for nothing. Diffuse walks from where light and eyes are mark what they
+//! meet; what no walk meets is asked for no further, unless it lies among what is met.
+
+use super::rays::side_of;
+use crate::bsdf::diffuse;
+use crate::geometry::{Intersector, Ray, offset_origin};
+use crate::illumination::Elements;
+use crate::light::emit;
+use crate::math::Vec3;
+use crate::sampling::numbers::Numbers;
+use crate::scene::CompiledScene;
+use crate::transport::surface_at;
+
+/// Hits of a walk.
+const HITS: u32 = 24;
+const START_GROUP: u32 = 0;
+const PICK_GROUP: u32 = 1;
+const WALK_GROUP: u32 = 2;
+
+/// Where walks begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum From {
+    /// Lights and the camera, each alike.
+    Inside,
+    /// All around the scene.
+    Infinity,
+}
+
+/// Whether a scene has something to begin walks at, infinity aside.
+pub fn has_inside(scene: &CompiledScene) -> bool {
+    !scene.lights.is_empty() || scene.camera.is_some()
+}
+
+/// Whether light comes from infinity.
+pub fn has_infinity(scene: &CompiledScene) -> bool {
+    scene.environment != [0.0; 3]
+        || scene.lights.iter().any(|l| l.kind == crate::scene::LightKind::Directional as u32)
+}
+
+fn start(scene: &CompiledScene, from: From, numbers: &Numbers) -> Option<Ray> {
+    let sphere = scene.bounding_sphere();
+    let u = numbers.group4(START_GROUP);
+    if from == From::Infinity {
+        return Some(emit::emit_environment(Vec3::ONE, sphere, u).ray);
+    }
+    let count = scene.lights.len() as u32 + u32::from(scene.camera.is_some());
+    let [pick, ..] = numbers.bits4(PICK_GROUP);
+    let pick = ((u64::from(pick) * u64::from(count)) >> 32) as usize;
+    match (scene.lights.get(pick), &scene.camera) {
+        (Some(light), _) => Some(emit::emit(light, sphere, u).ray),
+        (None, Some(camera)) => {
+            let [x, y] = [u[0] * camera.width as f32, u[1] * camera.height as f32].map(|x| x as u32);
+            Some(camera.sample_ray(x, y, [u[2], u[3]], [0.5, 0.5]))
+        }
+        (None, None) => None,
+    }
+}
+
+/// One walk: `mark` gets each element side that it meets. True where it leaves the scene.
+#[inline(always)]
+pub fn walk<I: Intersector + ?Sized>(
+    scene: &CompiledScene,
+    intersector: &I,
+    elements: &Elements,
+    from: From,
+    numbers: &Numbers,
+    mut mark: impl FnMut(u32),
+) -> bool {
+    let Some(mut ray) = start(scene, from, numbers) else { return false };
+    for hits in 0..HITS {
+        let Some(hit) = intersector.closest_hit(&ray) else { return true };
+        let Some(element) = side_of(scene, elements, &ray, &hit) else { return false };
+        mark(element);
+        let Some(surface) = surface_at::<false, false, false>(scene, &ray, &hit) else { return false };
+        let [u, v, ..] = numbers.group4(WALK_GROUP + hits);
+        let direction = diffuse::sample(surface.geometric, [u, v]);
+        let origin = offset_origin(&surface.point, surface.geometric, direction);
+        ray = Ray { origin, direction, t_max: f32::INFINITY };
+    }
+    false
+}

@@ -1,0 +1,139 @@
+//! The second level: all bounces between clusters of eight patches.
+
+use super::{Products, RelightError};
+use crate::math;
+use crate::radiosity::operator::{Dense, OperatorError};
+use crate::radiosity::polynomial::{self, Multiply, SolveError};
+use crate::radiosity::tiles::{Planes, Rates, SIDE, Scratch, Tiles, encode, tile_rows};
+use alloc::vec::Vec;
+use core::fmt;
+
+/// Why clusters have no inverse.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CoarseError {
+    /// Numbers that make no operator.
+    Operator(OperatorError),
+    /// No inverse.
+    Solve(SolveError),
+}
+
+impl fmt::Display for CoarseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Operator(e) => e.fmt(f),
+            Self::Solve(e) => write!(f, "clusters of patches: {e}"),
+        }
+    }
+}
+
+impl core::error::Error for CoarseError {}
+
+/// Gc = Fc (I - Rc Fc)^-1 per channel, each in tiles of Ac^1/2 Gc Ac^-1/2, which is symmetric.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coarse {
+    tiles: [Tiles; 3],
+    /// Share of each patch in its cluster's mean, by area.
+    shares: Vec<[f32; SIDE]>,
+    /// Ac^1/2 and Ac^-1/2.
+    into: Vec<[f32; SIDE]>,
+    out: Vec<[f32; SIDE]>,
+    rates: Rates,
+}
+
+/// Room for products.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Room {
+    x: Vec<Planes<1>>,
+    y: Vec<Planes<1>>,
+    sent: Vec<Planes<3>>,
+    scratch: Scratch<1>,
+}
+
+impl Coarse {
+    /// From A F between clusters \[m^2\] (lower half, packed), and areas and albedos of the patches.
+    pub(super) fn new<M: Multiply + ?Sized>(
+        multiply: &M,
+        half: &[f64],
+        areas: &[f32],
+        albedo: &[[f32; 3]],
+        rates: Rates,
+    ) -> Result<Self, RelightError> {
+        let m = tile_rows(areas.len());
+        let sums: Vec<f64> = areas.chunks(SIDE).map(|a| a.iter().map(|a| f64::from(*a)).sum()).collect();
+        let shares: Vec<[f32; SIDE]> = areas
+            .chunks(SIDE)
+            .zip(&sums)
+            .map(|(a, sum)| core::array::from_fn(|k| a.get(k).map_or(0.0, |a| (f64::from(*a) / sum) as f32)))
+            .collect();
+        let flux = |i: usize, j: usize| half[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        let entries: Vec<f32> = (0..m * m).map(|k| (flux(k / m, k % m) / sums[k / m]) as f32).collect();
+        let form_factors = Dense::try_new(m, entries)?;
+        let roots: Vec<f64> = sums.iter().map(|a| math::sqrt64(*a)).collect();
+        let mut tiles = Vec::with_capacity(3);
+        for c in 0..3 {
+            let mean: Vec<f32> = albedo
+                .chunks(SIDE)
+                .zip(&shares)
+                .map(|(rho, shares)| rho.iter().zip(shares).map(|(rho, s)| rho[c] * s).sum())
+                .collect();
+            let g = polynomial::gather::<f64, _>(multiply, &form_factors, &mean)
+                .map_err(|e| RelightError::Coarse(CoarseError::Solve(e)))?;
+            // Symmetric but for rounding.
+            let symmetric = |i: usize, j: usize| {
+                let both = roots[i] / roots[j] * f64::from(g.row(i)[j])
+                    + roots[j] / roots[i] * f64::from(g.row(j)[i]);
+                math::max((0.5 * both) as f32, 0.0)
+            };
+            tiles.push(encode(m, rates, symmetric)?);
+        }
+        let blocks = |f: &dyn Fn(f64) -> f64| super::blocks(roots.iter().map(|r| f(*r) as f32));
+        let (into, out) = (blocks(&|r| r), blocks(&|r| 1.0 / r));
+        let tiles: [Tiles; 3] = match tiles.try_into() {
+            Ok(tiles) => tiles,
+            Err(_) => return Err(RelightError::WrongLength { slice: "channels", found: 0, expected: 3 }),
+        };
+        Ok(Self { tiles, shares, into, out, rates })
+    }
+
+    /// How the inverse is stored.
+    pub fn rates(&self) -> Rates {
+        self.rates
+    }
+
+    /// Bytes of all of it.
+    pub fn bytes(&self) -> usize {
+        self.tiles.iter().map(Tiles::bytes).sum::<usize>()
+            + 4 * SIDE * self.shares.len()
+            + 8 * SIDE * self.into.len()
+    }
+
+    /// Gc Q r, in runs of eight clusters.
+    pub(super) fn apply<'r, P: Products>(
+        &self,
+        products: &P,
+        rest: &[Planes<3>],
+        room: &'r mut Room,
+    ) -> &'r [Planes<3>] {
+        let rows = self.into.len();
+        room.sent.resize(rows, Planes::default());
+        room.x.resize(rows, Planes::default());
+        room.y.resize(rows, Planes::default());
+        for c in 0..3 {
+            for (cluster, (rest, shares)) in rest.iter().zip(&self.shares).enumerate() {
+                let mut sum = 0.0;
+                for k in 0..SIDE {
+                    sum += shares[k] * rest[c][k];
+                }
+                let (row, k) = (cluster / SIDE, cluster % SIDE);
+                room.x[row][0][k] = sum * self.into[row][k];
+            }
+            products.apply(&self.tiles[c], &room.x, &mut room.y, &mut room.scratch);
+            for (sent, (y, out)) in room.sent.iter_mut().zip(room.y.iter().zip(&self.out)) {
+                for k in 0..SIDE {
+                    sent[c][k] = y[0][k] * out[k];
+                }
+            }
+        }
+        &room.sent
+    }
+}

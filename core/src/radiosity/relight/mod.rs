@@ -1,0 +1,487 @@
+//! Light after any number of bounces, for new lights: what an operator is for.
+//!
+//! Unknowns are radiosities B \[W/m^2\] of n patches, B = B0 + R F B, with B0 = R E_direct + emission and R the albedos, which may be changed at any time. Wanted is the
+//! indirect irradiance E = F B.
+//!
+//! Form factors come in [`Tiles`] of S = A^1/2 F A^-1/2, and one factor d per patch on both sides sets the sums of rows right that few bits have moved: F B = out S (in B) with
+//! in = d A^1/2 and out = d A^-1/2.
+//!
+//! **Two levels.** A plain pass, B <- B0 + R F B, leaves a part of the error that falls with each pass by about the albedo only. Here each pass also solves for what is left on
+//! clusters of eight patches, where the inverse is small enough to be known: with r = B0 + R F B - B,
+//!
+//! ```text
+//! B <- B + r + R P Gc Q r,   Gc = Fc (I - Rc Fc)^-1,   Fc = Q F P,   Rc = Q R P
+//! ```
+//!
+//! P gives a cluster's value to its patches, and Q is the mean by area (Q P = 1). The last pass gives E = F B + P Gc Q r, the clusters' share of all that was still to come.
+//! It is one fixed linear map of E_direct: no test of convergence, the same time for all lights.
+
+mod coarse;
+#[cfg(test)]
+mod tests;
+
+pub use coarse::{Coarse, CoarseError};
+
+use super::form_factors::FormFactors;
+use super::operator::OperatorError;
+use super::polynomial::Multiply;
+use super::tiles::{Planes, Rates, SIDE, Scratch, TileError, Tiles, encode, tile_rows};
+use crate::math;
+use alloc::vec::Vec;
+use core::fmt;
+
+/// Steps of balancing the sums of rows of tiles.
+const BALANCE_STEPS: u32 = 16;
+/// No factor of a patch leaves these.
+const FACTORS: [f64; 2] = [0.5, 2.0];
+
+/// Does the products; the bits are the same for each.
+pub trait Products {
+    /// y = S x; see [`Tiles::apply`].
+    fn apply<const C: usize>(
+        &self,
+        tiles: &Tiles,
+        x: &[Planes<C>],
+        y: &mut [Planes<C>],
+        scratch: &mut Scratch<C>,
+    ) where
+        Self: Sized;
+}
+
+/// One thread, plain code.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Portable;
+
+impl Products for Portable {
+    fn apply<const C: usize>(
+        &self,
+        tiles: &Tiles,
+        x: &[Planes<C>],
+        y: &mut [Planes<C>],
+        scratch: &mut Scratch<C>,
+    ) {
+        tiles.apply(x, y, scratch);
+    }
+}
+
+/// Why there is no operator, or no light of one.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RelightError {
+    /// Numbers per patch of another length.
+    WrongLength {
+        /// Which.
+        slice: &'static str,
+        /// Numbers found.
+        found: usize,
+        /// Patches.
+        expected: usize,
+    },
+    /// A number out of its range.
+    BadValue {
+        /// Which.
+        slice: &'static str,
+        /// Patch.
+        patch: usize,
+        /// The number.
+        value: f32,
+    },
+    /// Tiles that make no operator.
+    Tiles(TileError),
+    /// Clusters that have no inverse.
+    Coarse(CoarseError),
+}
+
+impl fmt::Display for RelightError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::WrongLength { slice, found, expected } => {
+                write!(f, "{found} numbers of {slice}, expected {expected}")
+            }
+            Self::BadValue { slice, patch, value } => write!(f, "{slice} of patch {patch} is {value}"),
+            Self::Tiles(e) => e.fmt(f),
+            Self::Coarse(e) => e.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for RelightError {}
+
+impl From<TileError> for RelightError {
+    fn from(e: TileError) -> Self {
+        Self::Tiles(e)
+    }
+}
+
+impl From<OperatorError> for RelightError {
+    fn from(e: OperatorError) -> Self {
+        Self::Coarse(CoarseError::Operator(e))
+    }
+}
+
+/// What relights: form factors in tiles, and what else a pass needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relighter {
+    tiles: Tiles,
+    areas: Vec<f32>,
+    /// d per patch.
+    factors: Vec<f32>,
+    into: Vec<[f32; SIDE]>,
+    out: Vec<[f32; SIDE]>,
+    albedo: Vec<Planes<3>>,
+    coarse: Option<Coarse>,
+}
+
+/// Room for a relighting: none is asked for while it runs.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    start: Vec<Planes<3>>,
+    radiosity: Vec<Planes<3>>,
+    rest: Vec<Planes<3>>,
+    x: Vec<Planes<3>>,
+    y: Vec<Planes<3>>,
+    scratch: Scratch<3>,
+    coarse: coarse::Room,
+}
+
+/// Numbers per patch in runs of eight, zeros beyond the last.
+fn blocks(values: impl ExactSizeIterator<Item = f32>) -> Vec<[f32; SIDE]> {
+    let mut blocks = alloc::vec![[0.0; SIDE]; tile_rows(values.len())];
+    for (i, x) in values.enumerate() {
+        blocks[i / SIDE][i % SIDE] = x;
+    }
+    blocks
+}
+
+/// The same for three channels.
+fn planes(values: &[[f32; 3]]) -> Vec<Planes<3>> {
+    let mut planes = alloc::vec![Planes::<3>::default(); tile_rows(values.len())];
+    fill(&mut planes, values);
+    planes
+}
+
+fn fill(planes: &mut [Planes<3>], values: &[[f32; 3]]) {
+    for (i, value) in values.iter().enumerate() {
+        for c in 0..3 {
+            planes[i / SIDE][c][i % SIDE] = value[c];
+        }
+    }
+}
+
+fn check_len(slice: &'static str, found: usize, expected: usize) -> Result<(), RelightError> {
+    if found == expected { Ok(()) } else { Err(RelightError::WrongLength { slice, found, expected }) }
+}
+
+fn check(slice: &'static str, values: &[[f32; 3]], good: impl Fn(f32) -> bool) -> Result<(), RelightError> {
+    match values.as_flattened().iter().position(|x| !good(*x)) {
+        Some(at) => Err(RelightError::BadValue { slice, patch: at / 3, value: values.as_flattened()[at] }),
+        None => Ok(()),
+    }
+}
+
+/// S(i, j) of form factors.
+pub fn symmetric(form_factors: &FormFactors) -> impl Fn(usize, usize) -> f32 {
+    let roots: Vec<f64> = form_factors.areas.iter().map(|a| math::sqrt64(f64::from(*a))).collect();
+    move |i, j| (f64::from(form_factors.flux(i, j)) / (roots[i] * roots[j])) as f32
+}
+
+impl Relighter {
+    /// Encodes form factors, whose patches must be in an order of their own ([`super::order::kd`]); see [`Self::new`] for the rest.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn encode(
+        form_factors: &FormFactors,
+        albedo: &[[f32; 3]],
+        rates: Rates,
+    ) -> Result<Self, RelightError> {
+        let tiles = encode(form_factors.len(), rates, symmetric(form_factors))?;
+        let factors = energy(&tiles, &form_factors.areas, &form_factors.row_sums());
+        Self::new(tiles, form_factors.areas.clone(), factors, albedo)
+    }
+
+    /// From tiles of S, areas \[m^2\], a factor per patch ([`energy`]) and albedos in \[0, 1\]. Without clusters until [`Self::with_coarse`].
+    ///
+    /// # Errors
+    /// [`RelightError`].
+    pub fn new(
+        tiles: Tiles,
+        areas: Vec<f32>,
+        factors: Vec<f32>,
+        albedo: &[[f32; 3]],
+    ) -> Result<Self, RelightError> {
+        let n = tiles.len();
+        check_len("areas", areas.len(), n)?;
+        check_len("factors", factors.len(), n)?;
+        check_len("albedo", albedo.len(), n)?;
+        for (slice, values) in [("area", &areas), ("factor", &factors)] {
+            if let Some(patch) = values.iter().position(|x| !x.is_finite() || *x <= 0.0) {
+                return Err(RelightError::BadValue { slice, patch, value: values[patch] });
+            }
+        }
+        check("albedo", albedo, |x| (0.0..=1.0).contains(&x))?;
+        let roots: Vec<f32> = areas.iter().map(|a| math::sqrt(*a)).collect();
+        let into = blocks(roots.iter().zip(&factors).map(|(r, d)| d * r));
+        let out = blocks(roots.iter().zip(&factors).map(|(r, d)| d / r));
+        Ok(Self { tiles, areas, factors, into, out, albedo: planes(albedo), coarse: None })
+    }
+
+    /// With the second level, its inverse in tiles of these rates.
+    ///
+    /// # Errors
+    /// When light does not die out between clusters: all closed in and white.
+    pub fn with_coarse<M: Multiply + ?Sized>(
+        mut self,
+        multiply: &M,
+        rates: Rates,
+    ) -> Result<Self, RelightError> {
+        let albedo = self.albedo_list();
+        self.coarse = Some(Coarse::new(multiply, &self.clusters(), &self.areas, &albedo, rates)?);
+        Ok(self)
+    }
+
+    /// A F between runs of eight patches \[m^2\], as the tiles have it: lower half, packed.
+    fn clusters(&self) -> Vec<f64> {
+        let m = tile_rows(self.len());
+        let mut half = alloc::vec![0.0_f64; m * (m + 1) / 2];
+        self.tiles.for_each(|i, j, s| {
+            let flux = f64::from(s)
+                * f64::from(self.into[i / SIDE][i % SIDE])
+                * f64::from(self.into[j / SIDE][j % SIDE]);
+            let (row, column) = (i / SIDE, j / SIDE);
+            // Both halves of a tile on the diagonal.
+            let times = if row == column && i != j { 2.0 } else { 1.0 };
+            half[row * (row + 1) / 2 + column] += times * flux;
+        });
+        half
+    }
+
+    /// The tiles.
+    pub fn tiles(&self) -> &Tiles {
+        &self.tiles
+    }
+
+    /// Areas \[m^2\].
+    pub fn areas(&self) -> &[f32] {
+        &self.areas
+    }
+
+    /// Factors of the patches.
+    pub fn factors(&self) -> &[f32] {
+        &self.factors
+    }
+
+    /// The second level, if there is one.
+    pub fn coarse(&self) -> Option<&Coarse> {
+        self.coarse.as_ref()
+    }
+
+    /// How many patches there are.
+    pub fn len(&self) -> usize {
+        self.areas.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.areas.is_empty()
+    }
+
+    /// Albedos.
+    pub fn albedo_list(&self) -> Vec<[f32; 3]> {
+        (0..self.len()).map(|i| [0, 1, 2].map(|c| self.albedo[i / SIDE][c][i % SIDE])).collect()
+    }
+
+    /// Changes the albedos; the second level is made anew.
+    ///
+    /// # Errors
+    /// A wrong number of them, or one that is not in \[0, 1\]; as [`Self::with_coarse`].
+    pub fn set_albedo<M: Multiply + ?Sized>(
+        &mut self,
+        multiply: &M,
+        albedo: &[[f32; 3]],
+    ) -> Result<(), RelightError> {
+        check_len("albedo", albedo.len(), self.len())?;
+        check("albedo", albedo, |x| (0.0..=1.0).contains(&x))?;
+        self.albedo = planes(albedo);
+        if let Some(coarse) = &self.coarse {
+            let rates = coarse.rates();
+            self.coarse = Some(Coarse::new(multiply, &self.clusters(), &self.areas, albedo, rates)?);
+        }
+        Ok(())
+    }
+
+    /// Bytes of everything a relighting reads: tiles, the clusters' inverses, a factor, an area and an albedo per patch.
+    pub fn bytes(&self) -> usize {
+        self.tiles.bytes() + self.coarse.as_ref().map_or(0, Coarse::bytes) + self.len() * (4 + 4 + 12)
+    }
+
+    /// y = F B, in planes.
+    fn gather<P: Products>(&self, products: &P, room: &mut Gather<'_>) {
+        for ((x, b), into) in room.x.iter_mut().zip(room.radiosity).zip(&self.into) {
+            for c in 0..3 {
+                for k in 0..SIDE {
+                    x[c][k] = b[c][k] * into[k];
+                }
+            }
+        }
+        products.apply(&self.tiles, room.x, room.y, room.scratch);
+        for (y, out) in room.y.iter_mut().zip(&self.out) {
+            for y in y {
+                for k in 0..SIDE {
+                    y[k] *= out[k];
+                }
+            }
+        }
+    }
+
+    /// F x for three channels: one bounce without albedo. For baselines and checks.
+    ///
+    /// # Errors
+    /// A wrong length.
+    pub fn bounce<P: Products>(
+        &self,
+        products: &P,
+        x: &[[f32; 3]],
+        y: &mut [[f32; 3]],
+    ) -> Result<(), RelightError> {
+        check_len("x", x.len(), self.len())?;
+        check_len("y", y.len(), self.len())?;
+        let radiosity = planes(x);
+        let mut room = (radiosity.clone(), radiosity.clone(), Scratch::default());
+        let mut gather =
+            Gather { radiosity: &radiosity, x: &mut room.0, y: &mut room.1, scratch: &mut room.2 };
+        self.gather(products, &mut gather);
+        for (i, y) in y.iter_mut().enumerate() {
+            *y = [0, 1, 2].map(|c| room.1[i / SIDE][c][i % SIDE]);
+        }
+        Ok(())
+    }
+
+    /// Indirect irradiance \[W/m^2\] per patch from direct irradiance and what patches emit themselves (empty: nothing), by so many passes over the form factors, at least one.
+    ///
+    /// With clusters that is all bounces; without, as many as there are passes. Nothing is allocated once the workspace has been used.
+    ///
+    /// # Errors
+    /// A wrong length; irradiance that is not finite.
+    pub fn relight<P: Products>(
+        &self,
+        products: &P,
+        (direct, emission): (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        passes: u32,
+        room: &mut Workspace,
+    ) -> Result<(), RelightError> {
+        let n = self.len();
+        check_len("direct irradiance", direct.len(), n)?;
+        check_len("indirect irradiance", indirect.len(), n)?;
+        if !emission.is_empty() {
+            check_len("emission", emission.len(), n)?;
+        }
+        check("direct irradiance", direct, f32::is_finite)?;
+        check("emission", emission, f32::is_finite)?;
+        let rows = tile_rows(n);
+        for planes in [&mut room.start, &mut room.radiosity, &mut room.rest, &mut room.x, &mut room.y] {
+            planes.clear();
+            planes.resize(rows, Planes::default());
+        }
+        fill(&mut room.start, direct);
+        for (b, rho) in room.start.iter_mut().zip(&self.albedo) {
+            for c in 0..3 {
+                for k in 0..SIDE {
+                    b[c][k] *= rho[c][k];
+                }
+            }
+        }
+        for (i, emission) in emission.iter().enumerate() {
+            for c in 0..3 {
+                room.start[i / SIDE][c][i % SIDE] += emission[c];
+            }
+        }
+        room.radiosity.copy_from_slice(&room.start);
+        for pass in 1..=passes.max(1) {
+            let mut gather = Gather {
+                radiosity: &room.radiosity,
+                x: &mut room.x,
+                y: &mut room.y,
+                scratch: &mut room.scratch,
+            };
+            self.gather(products, &mut gather);
+            let last = pass >= passes.max(1);
+            let Some(coarse) = &self.coarse else {
+                if !last {
+                    self.bounce_all(&room.start, &room.y, &mut room.radiosity);
+                }
+                continue;
+            };
+            for (r, (((y, rho), b0), b)) in room
+                .rest
+                .iter_mut()
+                .zip(room.y.iter().zip(&self.albedo).zip(&room.start).zip(&room.radiosity))
+            {
+                for c in 0..3 {
+                    for k in 0..SIDE {
+                        r[c][k] = b0[c][k] + rho[c][k] * y[c][k] - b[c][k];
+                    }
+                }
+            }
+            let sent = coarse.apply(products, &room.rest, &mut room.coarse);
+            for (row, y) in room.y.iter_mut().enumerate() {
+                for c in 0..3 {
+                    let e = sent[row / SIDE][c][row % SIDE];
+                    for k in 0..SIDE {
+                        y[c][k] += e;
+                    }
+                }
+            }
+            if !last {
+                // B + r + R P Gc Q r = B0 + R (F B + P Gc Q r).
+                self.bounce_all(&room.start, &room.y, &mut room.radiosity);
+            }
+        }
+        for (i, e) in indirect.iter_mut().enumerate() {
+            *e = [0, 1, 2].map(|c| room.y[i / SIDE][c][i % SIDE]);
+        }
+        Ok(())
+    }
+
+    /// B = B0 + R E.
+    fn bounce_all(&self, start: &[Planes<3>], irradiance: &[Planes<3>], radiosity: &mut [Planes<3>]) {
+        for (((b, b0), e), rho) in radiosity.iter_mut().zip(start).zip(irradiance).zip(&self.albedo) {
+            for c in 0..3 {
+                for k in 0..SIDE {
+                    b[c][k] = b0[c][k] + rho[c][k] * e[c][k];
+                }
+            }
+        }
+    }
+}
+
+/// What a product reads and writes.
+struct Gather<'a> {
+    radiosity: &'a [Planes<3>],
+    x: &'a mut [Planes<3>],
+    y: &'a mut [Planes<3>],
+    scratch: &'a mut Scratch<3>,
+}
+
+/// A factor per patch for the sums of rows of F to be `targets`, as far as factors in \[1/2, 2\] can: what few bits lose of the energy is put back where it was lost.
+pub fn energy(tiles: &Tiles, areas: &[f32], targets: &[f64]) -> Vec<f32> {
+    let n = tiles.len().min(areas.len()).min(targets.len());
+    let roots: Vec<f64> = areas.iter().map(|a| math::sqrt64(f64::from(*a))).collect();
+    let mut factors = alloc::vec![1.0_f64; n];
+    for _ in 0..BALANCE_STEPS {
+        let mut sums = alloc::vec![0.0_f64; n];
+        tiles.for_each(|i, j, s| {
+            sums[i] += f64::from(s) * roots[j] * factors[j];
+            if i != j {
+                sums[j] += f64::from(s) * roots[i] * factors[i];
+            }
+        });
+        for i in 0..n {
+            let sum = factors[i] * sums[i] / roots[i];
+            if sum > 0.0 && targets[i] > 0.0 {
+                factors[i] = (factors[i] * math::sqrt64(targets[i] / sum)).clamp(FACTORS[0], FACTORS[1]);
+            }
+        }
+    }
+    factors.into_iter().map(|d| d as f32).collect()
+}

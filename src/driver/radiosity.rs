@@ -1,0 +1,447 @@
+//! Baking an operator from a scene, and light from it.
+
+use super::{Outcome, PassControl, Settings, Watcher, drive, even, first_job};
+use etendue_core::backend::{self, BackendError, FormFactorJob, GivenMap, Probe, Session};
+use etendue_core::film::Film;
+use etendue_core::illumination::ElementSettings;
+use etendue_core::math::PI;
+use etendue_core::radiosity::form_factors::{self, Balance, FormFactors, Row, RowError};
+use etendue_core::radiosity::order;
+use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
+use etendue_core::radiosity::polynomial::{self, SolveError};
+use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
+use etendue_core::radiosity::tiles::{Kind, Rates, SIDE};
+use std::time::Instant;
+
+/// Steps of balancing form factors.
+const BALANCE_STEPS: u32 = 30;
+/// Tiles of the clusters' inverses where form factors are in few bits: next to nothing beside these.
+const COARSE: Rates = Rates::Uniform(Kind::Bits8);
+/// Steps of the search for the cheapest tiles.
+const SEARCH_STEPS: u32 = 14;
+/// Passes that the search counts on, and that are the default.
+pub const PASSES: u32 = 3;
+
+/// How form factors are stored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Codec {
+    /// The fewest bytes for which the error of irradiance over probe lights, in the root mean square, stays below this.
+    Auto {
+        /// Relative error.
+        max_error: f64,
+    },
+    /// f16.
+    F16,
+    /// f32.
+    F32,
+}
+
+/// How to bake.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakeSettings {
+    /// Patches, and the seed of everything.
+    pub patches: PatchSettings,
+    /// Rays of a patch of mean area.
+    pub rays: u32,
+    /// How form factors are stored.
+    pub codec: Codec,
+}
+
+impl Default for BakeSettings {
+    fn default() -> Self {
+        Self {
+            patches: PatchSettings { count: 4096, seed: 0 },
+            rays: 4096,
+            codec: Codec::Auto { max_error: 0.01 },
+        }
+    }
+}
+
+/// Why nothing was baked.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    /// The backend cannot, or was stopped.
+    #[error("{0}")]
+    Backend(#[from] BackendError),
+    /// Rows that do not fit.
+    #[error("{0}")]
+    Rows(#[from] RowError),
+    /// No operator of these form factors.
+    #[error("{0}")]
+    Relight(#[from] RelightError),
+    /// No exact solution to compare with.
+    #[error("{0}")]
+    Solve(#[from] SolveError),
+    /// The scene has no surface that light reaches.
+    #[error("the scene has no surface that light can reach: there are no patches")]
+    NoPatches,
+}
+
+/// Error of irradiance against the exact solution, area-weighted, over probe lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CodecError {
+    /// Root mean square over the lights.
+    pub rms: f64,
+    /// The worst light's.
+    pub worst: f64,
+    /// Greatest relative error of the total flux.
+    pub energy: f64,
+}
+
+/// An operator and what it was made of.
+#[derive(Clone, Debug)]
+pub struct Operator {
+    /// Patches in the order of the tiles.
+    pub map: PatchMap,
+    /// What relights.
+    pub relighter: Relighter,
+    /// Share of each patch's rays that see the sky.
+    pub escaped: Vec<f32>,
+}
+
+/// A bake.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// The operator.
+    pub operator: Operator,
+    /// Form factors as they were counted and balanced, in the order of the tiles.
+    pub form_factors: FormFactors,
+    /// What balancing did.
+    pub balance: Balance,
+    /// Measured error of the codec.
+    pub error: CodecError,
+    /// Rays of all patches.
+    pub rays: u64,
+    /// Seconds by stage.
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+/// Bakes the operator of a session's scene.
+///
+/// # Errors
+/// [`BakeError`]; being stopped is one ([`BackendError::Cancelled`]).
+pub fn bake(
+    session: &dyn Session,
+    settings: &BakeSettings,
+    watcher: &dyn Watcher,
+) -> Result<Baked, BakeError> {
+    let mut stages = Vec::new();
+    let mut last = Instant::now();
+    let mut done = |name| {
+        stages.push((name, last.elapsed().as_secs_f64()));
+        last = Instant::now();
+    };
+    let map = session.patches(&settings.patches)?;
+    if map.patches.is_empty() {
+        return Err(BakeError::NoPatches);
+    }
+    done("patches");
+    let order = order::kd(map.patches.list(), SIDE);
+    let map = PatchMap { patches: map.patches.reordered(&order), ..map };
+    done("order");
+    let job = FormFactorJob {
+        seed: settings.patches.seed,
+        rays: settings.rays,
+        patches: 0..map.patches.len() as u32,
+    };
+    let control = PassControl::whole(watcher, u64::from(settings.rays));
+    let rows = session.form_factors(&map, &job, &control)?;
+    done("rays");
+    let mut form_factors = form_factors::assemble(&map.patches.areas(), &rows)?;
+    let rays = rows.iter().map(|r: &Row| u64::from(r.rays)).sum();
+    drop(rows);
+    let targets = form_factors.targets();
+    let balance = form_factors::balance(&mut form_factors, &targets, BALANCE_STEPS);
+    done("balance");
+    let albedo: Vec<[f32; 3]> = map.patches.list().iter().map(|p| p.albedo).collect();
+    let (relighter, error) = encode(session, &form_factors, (&map, &albedo), settings.codec)?;
+    done("encode");
+    let operator = Operator { map, relighter, escaped: form_factors.escaped.clone() };
+    Ok(Baked { operator, form_factors, balance, error, rays, stages })
+}
+
+/// Lights that a codec is judged by: direct irradiance on all patches, eight of them. Single lit patches are the hardest; lamps near a wall, suns and an even light follow.
+pub fn probe_lights(map: &PatchMap) -> Vec<Vec<[f32; 3]>> {
+    let list = map.patches.list();
+    let n = list.len();
+    let colour = [1.0, 0.8, 0.6];
+    let mut lights = Vec::new();
+    let at = |k: usize| (k * n / 7 + n / 14).min(n.saturating_sub(1));
+    for k in [1, 4] {
+        let mut one = vec![[0.0; 3]; n];
+        one[at(k)] = colour;
+        lights.push(one);
+    }
+    let extent = (0..3)
+        .map(|k| {
+            let (lo, hi) = list
+                .iter()
+                .fold((f32::MAX, f32::MIN), |(lo, hi), p| (lo.min(p.position[k]), hi.max(p.position[k])));
+            hi - lo
+        })
+        .fold(0.0, f32::max);
+    // Lamps a twentieth of the scene before a patch: they light what faces them, with nothing in the way.
+    for k in [0, 2, 5] {
+        let p = &list[at(k)];
+        let lamp = [0, 1, 2].map(|c| p.position[c] + 0.05 * extent * p.normal[c]);
+        lights.push(
+            list.iter()
+                .map(|q| {
+                    let d = [0, 1, 2].map(|c| lamp[c] - q.position[c]);
+                    let squared: f32 = d.iter().map(|x| x * x).sum();
+                    let cosine: f32 = (0..3).map(|c| d[c] * q.normal[c]).sum::<f32>()
+                        / squared.sqrt().max(f32::MIN_POSITIVE);
+                    colour.map(|c| c * cosine.max(0.0) / squared.max(1e-4 * extent * extent))
+                })
+                .collect(),
+        );
+    }
+    for sun in [[0.48, 0.80, 0.36], [-0.6, 0.64, 0.48]] {
+        lights.push(
+            list.iter()
+                .map(|q| colour.map(|x| x * (0..3).map(|c| sun[c] * q.normal[c]).sum::<f32>().max(0.0)))
+                .collect(),
+        );
+    }
+    lights.push(vec![colour; n]);
+    lights
+}
+
+/// Light of all bounces from form factors as they are: indirect irradiance per probe light.
+pub fn exact(
+    form_factors: &FormFactors,
+    albedo: &[[f32; 3]],
+    lights: &[Vec<[f32; 3]>],
+) -> Result<Vec<Vec<[f32; 3]>>, BakeError> {
+    // Tiles of f32 to the end: passes until nothing moves.
+    let relighter = Relighter::encode(form_factors, albedo, Rates::Uniform(Kind::F32))?;
+    let relighter = relighter.with_coarse(&polynomial::Portable, Rates::Uniform(Kind::F32))?;
+    converge(&relighter, lights)
+}
+
+/// Passes until irradiance stands.
+fn converge(relighter: &Relighter, lights: &[Vec<[f32; 3]>]) -> Result<Vec<Vec<[f32; 3]>>, BakeError> {
+    const PASSES_MAX: u32 = 64;
+    let mut room = Workspace::default();
+    let mut found = Vec::new();
+    for direct in lights {
+        let mut indirect = vec![[0.0; 3]; direct.len()];
+        relighter.relight(
+            &etendue_core::radiosity::relight::Portable,
+            (direct, &[]),
+            &mut indirect,
+            PASSES_MAX,
+            &mut room,
+        )?;
+        found.push(indirect);
+    }
+    Ok(found)
+}
+
+/// Error of a relighter over probe lights whose exact irradiance is known.
+///
+/// # Errors
+/// Of numbers that do not fit.
+pub fn measure(
+    session: &dyn Session,
+    relighter: &Relighter,
+    lights: &[Vec<[f32; 3]>],
+    exact: &[Vec<[f32; 3]>],
+    passes: u32,
+) -> Result<CodecError, BakeError> {
+    let mut room = Workspace::default();
+    let mut found = vec![[0.0; 3]; relighter.len()];
+    let mut error = CodecError::default();
+    let mut squares = 0.0;
+    for (direct, truth) in lights.iter().zip(exact) {
+        session.relight(relighter, (direct, &[]), &mut found, passes, &mut room)?;
+        let (mut d, mut s, mut a, mut b) = (0.0, 0.0, 0.0, 0.0);
+        for ((x, t), area) in found.iter().zip(truth).zip(relighter.areas()) {
+            for c in 0..3 {
+                let (x, t, area) = (f64::from(x[c]), f64::from(t[c]), f64::from(*area));
+                d += area * (x - t) * (x - t);
+                s += area * t * t;
+                a += area * x;
+                b += area * t;
+            }
+        }
+        if s > 0.0 {
+            let relative = (d / s).sqrt();
+            squares += d / s;
+            error.worst = error.worst.max(relative);
+            error.energy = error.energy.max((a / b - 1.0).abs());
+        }
+    }
+    error.rms = (squares / lights.len().max(1) as f64).sqrt();
+    Ok(error)
+}
+
+/// Stores form factors as the codec says, and measures what that costs.
+pub fn encode(
+    session: &dyn Session,
+    form_factors: &FormFactors,
+    (map, albedo): (&PatchMap, &[[f32; 3]]),
+    codec: Codec,
+) -> Result<(Relighter, CodecError), BakeError> {
+    let lights = probe_lights(map);
+    let truth = exact(form_factors, albedo, &lights)?;
+    let make = |rates: Rates, coarse: Rates| -> Result<(Relighter, CodecError), BakeError> {
+        let made = session.with_coarse(Relighter::encode(form_factors, albedo, rates)?, coarse)?;
+        let error = measure(session, &made, &lights, &truth, PASSES)?;
+        Ok((made, error))
+    };
+    match codec {
+        Codec::F32 => make(Rates::Uniform(Kind::F32), Rates::Uniform(Kind::F32)),
+        Codec::F16 => make(Rates::Uniform(Kind::F16), Rates::Uniform(Kind::F16)),
+        Codec::Auto { max_error } => {
+            // The error grows with what a bit may cost; look for the largest that is allowed.
+            let (mut low, mut high) = (1e-12_f64, 1e-2_f64);
+            let mut best = None;
+            for _ in 0..SEARCH_STEPS {
+                let lambda = (low * high).sqrt();
+                let found = make(Rates::Cheapest { lambda }, COARSE)?;
+                if found.1.rms <= max_error {
+                    low = lambda;
+                    best = Some(found);
+                } else {
+                    high = lambda;
+                }
+                if high / low < 1.15 {
+                    break;
+                }
+            }
+            match best {
+                Some(best) => Ok(best),
+                // Nothing in few bits is good enough.
+                None => make(Rates::Uniform(Kind::F32), Rates::Uniform(Kind::F32)),
+            }
+        }
+    }
+}
+
+/// Irradiance on patches \[W/m^2\] that no patch has sent: that of lights without size, and of the sky.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatchLight {
+    /// From lights without size.
+    pub direct: Vec<[f32; 3]>,
+    /// From the sky.
+    pub sky: Vec<[f32; 3]>,
+}
+
+/// The light of the session's scene on the patches of an operator.
+///
+/// # Errors
+/// As [`Session::direct_irradiance`].
+pub fn patch_light(
+    session: &dyn Session,
+    operator: &Operator,
+    seed: u64,
+    watcher: &dyn Watcher,
+) -> Result<PatchLight, BackendError> {
+    let map = &operator.map;
+    let n = map.patches.len();
+    let mut sums = vec![[0.0_f64; 3]; n];
+    let outcome = super::direct_irradiance(session, seed, map.elements.settings(), watcher)?;
+    if outcome.cancelled {
+        return Err(BackendError::Cancelled);
+    }
+    for (patch, sum) in sums.iter_mut().enumerate() {
+        let mut area = 0.0;
+        for element in map.patches.members(patch) {
+            let weight = map.elements.weight(*element as usize);
+            let value = outcome.film.mean(*element as usize);
+            area += weight;
+            *sum = [0, 1, 2].map(|c| sum[c] + weight * value[c]);
+        }
+        *sum = sum.map(|s| s / area.max(f64::MIN_POSITIVE));
+    }
+    let environment = session.scene().environment;
+    let sky = operator.escaped.iter().map(|e| environment.map(|l| e * PI * l)).collect();
+    Ok(PatchLight { direct: sums.into_iter().map(|s| s.map(|x| x as f32)).collect(), sky })
+}
+
+/// Indirect irradiance on patches for their light: what patches send each other, emission of surfaces included.
+///
+/// # Errors
+/// Of numbers that do not fit.
+pub fn relight(
+    session: &dyn Session,
+    operator: &Operator,
+    light: &PatchLight,
+    passes: u32,
+    room: &mut Workspace,
+) -> Result<Vec<[f32; 3]>, RelightError> {
+    let direct: Vec<[f32; 3]> =
+        light.direct.iter().zip(&light.sky).map(|(d, s)| [0, 1, 2].map(|c| d[c] + s[c])).collect();
+    let emission: Vec<[f32; 3]> = operator.map.patches.list().iter().map(|p| p.emission).collect();
+    let mut indirect = vec![[0.0; 3]; direct.len()];
+    session.relight(&operator.relighter, (&direct, &emission), &mut indirect, passes, room)?;
+    Ok(indirect)
+}
+
+/// A map to read or to gather from: all irradiance on elements but the direct light of lights without size.
+///
+/// # Errors
+/// As [`Session::transfer`].
+pub fn radiosity_map(
+    session: &dyn Session,
+    operator: &Operator,
+    light: &PatchLight,
+    indirect: &[[f32; 3]],
+) -> Result<Vec<[f32; 3]>, BackendError> {
+    let all: Vec<[f32; 3]> =
+        indirect.iter().zip(&light.sky).map(|(i, s)| [0, 1, 2].map(|c| i[c] + s[c])).collect();
+    Ok(session.transfer(&operator.map)?.apply(&all))
+}
+
+/// What a map of an operator is read by.
+#[derive(Clone, Copy, Debug)]
+pub struct RadiosityView<'a> {
+    /// Elements of the map.
+    pub elements: ElementSettings,
+    /// Their numbers.
+    pub values: &'a [[f32; 3]],
+    /// Whether the first diffuse surface gathers its light by rays.
+    pub gather: bool,
+}
+
+impl RadiosityView<'_> {
+    fn given(&self) -> GivenMap<'_> {
+        GivenMap { elements: self.elements, values: self.values, gather: self.gather }
+    }
+}
+
+/// An image from a map.
+///
+/// # Errors
+/// As [`Session::map_image`]; being stopped is no error.
+pub fn map_image(
+    session: &dyn Session,
+    settings: &Settings,
+    view: &RadiosityView<'_>,
+    watcher: &dyn Watcher,
+) -> Result<Outcome, BackendError> {
+    let first = first_job(settings);
+    let film = Film::new(backend::image_film_settings(session.scene(), &first)?);
+    drive(film, first, settings.budget, watcher, &even, |job, control, film| {
+        session.map_image(job, &view.given(), control, film)
+    })
+}
+
+/// The irradiance at probes from a map.
+///
+/// # Errors
+/// As [`Session::map_probes`]; being stopped is no error.
+pub fn map_probes(
+    session: &dyn Session,
+    probes: &[Probe],
+    settings: &Settings,
+    view: &RadiosityView<'_>,
+    watcher: &dyn Watcher,
+) -> Result<Outcome, BackendError> {
+    let first = first_job(settings);
+    let film = Film::new(backend::probe_film_settings(session.scene(), &first, probes.len()));
+    drive(film, first, settings.budget, watcher, &even, |job, control, film| {
+        session.map_probes(job, &view.given(), probes, control, film)
+    })
+}
