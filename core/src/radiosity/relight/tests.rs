@@ -23,7 +23,8 @@ fn form_factors(n: usize, sum: f64) -> FormFactors {
     let mut made = FormFactors { areas, half, escaped: zeros.clone(), lost: zeros.clone(), stderr: zeros };
     // Near to the sums first, since factors have limits.
     let mean = made.row_sums().iter().sum::<f64>() / n as f64;
-    made.half.iter_mut().for_each(|x| *x /= mean as f32);
+    let mean = if mean > 0.0 { mean as f32 } else { 1.0 };
+    made.half.iter_mut().for_each(|x| *x /= mean);
     crate::radiosity::form_factors::balance(&mut made, &vec![sum; n], 80);
     made
 }
