@@ -392,8 +392,8 @@ impl Relighter {
             }
         }
         for (i, emission) in emission.iter().enumerate() {
-            for c in 0..3 {
-                room.start[i / SIDE][c][i % SIDE] += emission[c];
+            for (b, e) in room.start[i / SIDE].iter_mut().zip(emission) {
+                b[i % SIDE] += e;
             }
         }
         room.radiosity.copy_from_slice(&room.start);
@@ -425,11 +425,9 @@ impl Relighter {
             }
             let sent = coarse.apply(products, &room.rest, &mut room.coarse);
             for (row, y) in room.y.iter_mut().enumerate() {
-                for c in 0..3 {
-                    let e = sent[row / SIDE][c][row % SIDE];
-                    for k in 0..SIDE {
-                        y[c][k] += e;
-                    }
+                for (y, sent) in y.iter_mut().zip(&sent[row / SIDE]) {
+                    let e = sent[row % SIDE];
+                    y.iter_mut().for_each(|y| *y += e);
                 }
             }
             if !last {

@@ -1,4 +1,6 @@
 //! Tiles against dense sums in f64.
+
+#![allow(clippy::needless_range_loop, reason = "matrices by their indices")]
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
 use super::*;

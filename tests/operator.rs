@@ -1,0 +1,78 @@
+//! The radiosity operator on whole scenes: what its codec costs, and the light of the path tracer.
+#![cfg(all(feature = "io", feature = "cpu"))]
+#![allow(clippy::disallowed_methods, reason = "truth in f64")]
+
+mod common;
+
+use common::root;
+use etendue::core::backend::{Probe, Session};
+use etendue::core::radiosity::patches::PatchSettings;
+use etendue::core::radiosity::relight::Workspace;
+use etendue::core::scene::{SceneDesc, compile};
+use etendue::cpu::{CpuBackend, CpuSession};
+use etendue::driver::radiosity::{
+    BakeSettings, Baked, Codec, PASSES, RadiosityView, bake, map_probes, patch_light, radiosity_map, relight,
+};
+use etendue::driver::{self, Budget, Settings, Silent};
+use etendue::io::load_scene;
+use std::sync::Arc;
+
+fn load(file: &str) -> SceneDesc {
+    load_scene(&root().join("scenes").join(file)).unwrap_or_else(|e| panic!("{e}")).desc
+}
+
+fn open(desc: &SceneDesc) -> CpuSession {
+    let scene = compile(desc).unwrap_or_else(|e| panic!("{e}")).0;
+    CpuBackend::new(None).unwrap().open_session(Arc::new(scene)).unwrap()
+}
+
+fn baked(session: &dyn Session, count: u32, codec: Codec) -> Baked {
+    let settings = BakeSettings { patches: PatchSettings { count, seed: 3 }, rays: 1024, codec };
+    bake(session, &settings, &Silent).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn the_codec_keeps_its_error_and_its_energy() {
+    for file in ["cornell/closed.toml", "colonnade/lamps.toml"] {
+        let session = open(&load(file));
+        let full = baked(&session, 1000, Codec::F32);
+        assert!(full.error.rms < 0.01 && full.error.energy < 1e-3, "{file}: {:?}", full.error);
+        let small = baked(&session, 1000, Codec::Auto { max_error: 0.02 });
+        let n = small.operator.relighter.len() as f64;
+        let [a, b] = [&full, &small].map(|x| x.operator.relighter.bytes() as f64 / (n * n));
+        println!("{file}: {n} patches, {a:.3} and {b:.3} bytes a pair, {:?}", small.error);
+        assert!(small.error.rms <= 0.02 && small.error.energy < 2e-3, "{file}: {:?}", small.error);
+        assert!(b < 0.25 * a, "{file}: {b} bytes a pair, {a} in f32");
+    }
+}
+
+#[test]
+fn probes_from_an_operator_agree_with_paths() {
+    let session = open(&load("cornell/closed.toml"));
+    let made = baked(&session, 1500, Codec::Auto { max_error: 0.01 });
+    let light = patch_light(&session, &made.operator, 1, &Silent).unwrap();
+    let indirect = relight(&session, &made.operator, &light, PASSES, &mut Workspace::default()).unwrap();
+    let values = radiosity_map(&session, &made.operator, &light, &indirect).unwrap();
+    let probes: Vec<Probe> = [
+        ([2.7, 2.0, 5.592], [0.0, 0.0, -1.0]),
+        ([1.0, 5.488, 1.0], [0.0, -1.0, 0.0]),
+        ([4.5, 0.0, 1.2], [0.0, 1.0, 0.0]),
+        ([5.5, 2.0, 2.0], [-1.0, 0.0, 0.0]),
+    ]
+    .map(|(position, normal)| Probe { position, normal })
+    .to_vec();
+    let settings = Settings { budget: Budget::Samples(4096), ..Settings::default() };
+    let paths =
+        driver::probes(&session, &probes, &Settings { budget: Budget::Samples(65536), ..settings }, &Silent)
+            .unwrap();
+    let elements = *made.operator.map.elements.settings();
+    let view = RadiosityView { elements, values: &values, gather: true };
+    let found = map_probes(&session, &probes, &settings, &view, &Silent).unwrap();
+    for i in 0..probes.len() {
+        let (x, y) = (found.film.mean(i), paths.film.mean(i));
+        println!("{x:.4?} from the operator, {y:.4?} by paths");
+        for c in 0..3 {
+            assert!((x[c] / y[c] - 1.0).abs() < 0.03, "probe {i}: {x:?} from the operator, {y:?} by paths");
+        }
+    }
+}
