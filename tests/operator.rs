@@ -11,7 +11,7 @@ use etendue::core::radiosity::relight::Workspace;
 use etendue::core::scene::{SceneDesc, compile};
 use etendue::cpu::{CpuBackend, CpuSession};
 use etendue::driver::radiosity::{
-    BakeSettings, Baked, Codec, PASSES, RadiosityView, bake, map_probes, patch_light, radiosity_map, relight,
+    BakeSettings, Baked, Codec, RadiosityView, bake, map_probes, patch_light, radiosity_map, relight,
 };
 use etendue::driver::{self, Budget, Settings, Silent};
 use etendue::io::load_scene;
@@ -27,7 +27,8 @@ fn open(desc: &SceneDesc) -> CpuSession {
 }
 
 fn baked(session: &dyn Session, count: u32, codec: Codec) -> Baked {
-    let settings = BakeSettings { patches: PatchSettings { count, seed: 3 }, rays: 1024, codec };
+    let settings =
+        BakeSettings { patches: PatchSettings { count, seed: 3 }, rays: 1024, codec, passes: None };
     bake(session, &settings, &Silent).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -51,7 +52,7 @@ fn probes_from_an_operator_agree_with_paths() {
     let session = open(&load("cornell/closed.toml"));
     let made = baked(&session, 1500, Codec::Auto { max_error: 0.01 });
     let light = patch_light(&session, &made.operator, 1, &Silent).unwrap();
-    let indirect = relight(&session, &made.operator, &light, PASSES, &mut Workspace::default()).unwrap();
+    let indirect = relight(&session, &made.operator, &light, &mut Workspace::default()).unwrap();
     let values = radiosity_map(&session, &made.operator, &light, &indirect).unwrap();
     let probes: Vec<Probe> = [
         ([2.7, 2.0, 5.592], [0.0, 0.0, -1.0]),

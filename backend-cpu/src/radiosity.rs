@@ -9,8 +9,11 @@ use etendue_core::illumination::{Clustering, Elements};
 use etendue_core::radiosity::form_factors::reach::{self, From};
 use etendue_core::radiosity::form_factors::{Row, rays};
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings, Patches};
-use etendue_core::radiosity::relight::Products;
-use etendue_core::radiosity::tiles::{Planes, SIDE, STRIPE_ROWS, Scratch, Tiles, add_columns, tile_rows};
+use etendue_core::radiosity::relight::{Products, Symmetric};
+use etendue_core::radiosity::tiles::{
+    self, Curve, Kind, Planes, RateCurves, SIDE, STRIPE_ROWS, Scratch, TileError, Tiles, add_columns,
+    tile_rows,
+};
 use etendue_core::radiosity::transfer::{self, PatchGrid, Transfer};
 use etendue_core::sampling::numbers::Numbers;
 use etendue_core::scene::CompiledScene;
@@ -21,20 +24,22 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// Walks for each element, and the least and most of all.
 const WALKS_PER_ELEMENT: u64 = 4;
 const WALKS: [u64; 2] = [1 << 14, 1 << 21];
+/// Walks from inside of which so few leave have found a crack: what is outside is not lit through it.
+const CRACK: f64 = 1.0 / 256.0;
 /// Walks of one task.
 const TASK: u32 = 1 << 10;
 /// Replicate of the walks from infinity; that of the others is 0.
 const FROM_INFINITY: u32 = 1;
 
 widest! {
-    /// Walks of a range; whether any left the scene.
-    fn walks(ground: (&CompiledScene, &Tree, &Elements), from: From, numbers: &Numbers, range: std::ops::Range<u32>, reached: &[AtomicBool]) -> bool {
+    /// Walks of a range; how many left the scene.
+    fn walks(ground: (&CompiledScene, &Tree, &Elements), from: From, numbers: &Numbers, range: std::ops::Range<u32>, reached: &[AtomicBool]) -> u32 {
         let (scene, tree, elements) = ground;
-        let mut left = false;
+        let mut left = 0;
         for i in range {
-            left |= reach::walk(scene, tree, elements, from, &numbers.with_index(i), |element| {
+            left += u32::from(reach::walk(scene, tree, elements, from, &numbers.with_index(i), |element| {
                 reached[element as usize].store(true, Ordering::Relaxed);
-            });
+            }));
         }
         left
     }
@@ -64,13 +69,13 @@ fn reached(
                         &reached,
                     )
                 })
-                .reduce(|| false, |a, b| a | b)
+                .sum::<u32>()
         })
     };
     let inside = reach::has_inside(scene);
-    let left = inside && run(From::Inside, 0);
+    let left = if inside { run(From::Inside, 0) } else { 0 };
     // What leaves can come in the same way.
-    if !inside || left || reach::has_infinity(scene) {
+    if !inside || f64::from(left) > CRACK * f64::from(count) || reach::has_infinity(scene) {
         run(From::Infinity, FROM_INFINITY);
     }
     reached.into_iter().map(AtomicBool::into_inner).collect()
@@ -163,6 +168,35 @@ pub(crate) fn transfer(
             .collect()
     });
     Transfer::new(lists)
+}
+
+widest! {
+    fn curve_row(symmetric: &Symmetric<'_>, row: usize) -> Vec<Curve> {
+        tiles::curve_row(symmetric.len(), row, |i, j| symmetric.entry(i, j))
+    }
+}
+
+widest! {
+    fn encode_row(symmetric: &Symmetric<'_>, row: usize, want: &(dyn Fn(usize, usize) -> Kind + Sync)) -> (Vec<u8>, Vec<u8>) {
+        tiles::encode_row(symmetric.len(), row, |column| want(row, column), |i, j| symmetric.entry(i, j))
+    }
+}
+
+/// What tiles lose.
+pub(crate) fn rate_curves(pool: &rayon::ThreadPool, symmetric: &Symmetric<'_>) -> RateCurves {
+    let rows = (0..tile_rows(symmetric.len())).into_par_iter().with_max_len(8);
+    RateCurves::new(pool.install(|| rows.map(|row| curve_row(symmetric, row)).collect()))
+}
+
+/// Tiles of the kinds wanted.
+pub(crate) fn tiles(
+    pool: &rayon::ThreadPool,
+    symmetric: &Symmetric<'_>,
+    want: &(dyn Fn(usize, usize) -> Kind + Sync),
+) -> Result<Tiles, TileError> {
+    let rows = (0..tile_rows(symmetric.len())).into_par_iter().with_max_len(8);
+    let rows: Vec<_> = pool.install(|| rows.map(|row| encode_row(symmetric, row, want)).collect());
+    tiles::join_rows(symmetric.len(), rows)
 }
 
 widest! {

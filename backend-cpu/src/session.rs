@@ -16,8 +16,8 @@ use etendue_core::illumination::{ElementSettings, Elements, Sides};
 use etendue_core::math::Vec3;
 use etendue_core::radiosity::form_factors::Row;
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
-use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
-use etendue_core::radiosity::tiles::Rates;
+use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace};
+use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
 use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, FirstShot, FirstShotError, Forecast, Subdivision, Weights};
@@ -407,6 +407,18 @@ impl Session for CpuSession {
         Ok(radiosity::transfer(&self.pool, &self.scene, &self.tree, map))
     }
 
+    fn rate_curves(&self, symmetric: &Symmetric<'_>) -> RateCurves {
+        radiosity::rate_curves(&self.pool, symmetric)
+    }
+
+    fn tiles(
+        &self,
+        symmetric: &Symmetric<'_>,
+        want: &(dyn Fn(usize, usize) -> Kind + Sync),
+    ) -> Result<Tiles, TileError> {
+        radiosity::tiles(&self.pool, symmetric, want)
+    }
+
     fn with_coarse(&self, relighter: Relighter, rates: Rates) -> Result<Relighter, RelightError> {
         relighter.with_coarse(&Linear::on(self.pool.clone()), rates)
     }
@@ -420,5 +432,16 @@ impl Session for CpuSession {
         room: &mut Workspace,
     ) -> Result<(), RelightError> {
         relighter.relight(&Linear::on(self.pool.clone()), light, indirect, passes, room)
+    }
+
+    fn converge(
+        &self,
+        relighter: &Relighter,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        until: (u32, f64),
+        room: &mut Workspace,
+    ) -> Result<u32, RelightError> {
+        relighter.converge(&Linear::on(self.pool.clone()), light, indirect, until, room)
     }
 }

@@ -12,8 +12,8 @@ use crate::math::Vec3;
 use crate::radiosity::form_factors::Row;
 use crate::radiosity::patches::{PatchMap, PatchSettings};
 use crate::radiosity::polynomial;
-use crate::radiosity::relight::{self, RelightError, Relighter, Workspace};
-use crate::radiosity::tiles::Rates;
+use crate::radiosity::relight::{self, RelightError, Relighter, Symmetric, Workspace};
+use crate::radiosity::tiles::{self, Kind, RateCurves, Rates, TileError, Tiles};
 use crate::radiosity::transfer::Transfer;
 use crate::scene::CompiledScene;
 use crate::transport::first_shot::{FirstShotError, Forecast, Subdivision, Weights};
@@ -568,6 +568,27 @@ pub trait Session: Send + Sync {
         Err(BackendError::Unsupported { backend: "chosen", what: "patches".into() })
     }
 
+    /// What tiles of form factors lose in each kind.
+    fn rate_curves(&self, symmetric: &Symmetric<'_>) -> RateCurves {
+        let n = symmetric.len();
+        let row = |row| tiles::curve_row(n, row, |i, j| symmetric.entry(i, j));
+        RateCurves::new((0..tiles::tile_rows(n)).map(row).collect())
+    }
+
+    /// Tiles of form factors, in the kinds that are wanted by row and column.
+    ///
+    /// # Errors
+    /// Too many patches.
+    fn tiles(
+        &self,
+        symmetric: &Symmetric<'_>,
+        want: &(dyn Fn(usize, usize) -> Kind + Sync),
+    ) -> Result<Tiles, TileError> {
+        let n = symmetric.len();
+        let row = |row| tiles::encode_row(n, row, |column| want(row, column), |i, j| symmetric.entry(i, j));
+        tiles::join_rows(n, (0..tiles::tile_rows(n)).map(row))
+    }
+
     /// Makes the second level of a relighter; see [`Relighter::with_coarse`].
     ///
     /// # Errors
@@ -589,6 +610,21 @@ pub trait Session: Send + Sync {
         room: &mut Workspace,
     ) -> Result<(), RelightError> {
         relighter.relight(&relight::Portable, light, indirect, passes, room)
+    }
+
+    /// The same to convergence; see [`Relighter::converge`].
+    ///
+    /// # Errors
+    /// As [`Self::relight`].
+    fn converge(
+        &self,
+        relighter: &Relighter,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        until: (u32, f64),
+        room: &mut Workspace,
+    ) -> Result<u32, RelightError> {
+        relighter.converge(&relight::Portable, light, indirect, until, room)
     }
 }
 

@@ -8,19 +8,25 @@ use etendue_core::math::PI;
 use etendue_core::radiosity::form_factors::{self, Balance, FormFactors, Row, RowError};
 use etendue_core::radiosity::order;
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
-use etendue_core::radiosity::polynomial::{self, SolveError};
-use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
+use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace, weights};
 use etendue_core::radiosity::tiles::{Kind, Rates, SIDE};
 use std::time::Instant;
 
 /// Steps of balancing form factors.
 const BALANCE_STEPS: u32 = 30;
-/// Tiles of the clusters' inverses where form factors are in few bits: next to nothing beside these.
-const COARSE: Rates = Rates::Uniform(Kind::Bits8);
-/// Steps of the search for the cheapest tiles.
-const SEARCH_STEPS: u32 = 14;
-/// Passes that the search counts on, and that are the default.
+/// What a bit may cost in the clusters' inverses, over what it may cost in form factors.
+/// What a bit may cost in the clusters' inverses, over what it may cost in form factors: what they err by is mended by the passes.
+const COARSE: f64 = 32.0;
+/// Steps of the search for the cheapest tiles, and how near to the limit it may end.
+const SEARCH_STEPS: u32 = 9;
+const NEAR: f64 = 0.97;
+/// Passes that a bake begins its search with, and the most of a scene whose light decays slowly.
 pub const PASSES: u32 = 3;
+const PASSES_MOST: u32 = 12;
+/// Share of the allowed error, in the root mean square, that is left to passes.
+const PASSES_SHARE: f64 = 0.6;
+/// When irradiance stands: passes at most, and relative change of one.
+const STANDS: (u32, f64) = (200, 2e-7);
 
 /// How form factors are stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +51,8 @@ pub struct BakeSettings {
     pub rays: u32,
     /// How form factors are stored.
     pub codec: Codec,
+    /// Passes of a relighting; `None`: as few as the codec's error allows, at least [`PASSES`].
+    pub passes: Option<u32>,
 }
 
 impl Default for BakeSettings {
@@ -53,6 +61,7 @@ impl Default for BakeSettings {
             patches: PatchSettings { count: 4096, seed: 0 },
             rays: 4096,
             codec: Codec::Auto { max_error: 0.01 },
+            passes: None,
         }
     }
 }
@@ -69,9 +78,6 @@ pub enum BakeError {
     /// No operator of these form factors.
     #[error("{0}")]
     Relight(#[from] RelightError),
-    /// No exact solution to compare with.
-    #[error("{0}")]
-    Solve(#[from] SolveError),
     /// The scene has no surface that light reaches.
     #[error("the scene has no surface that light can reach: there are no patches")]
     NoPatches,
@@ -97,6 +103,8 @@ pub struct Operator {
     pub relighter: Relighter,
     /// Share of each patch's rays that see the sky.
     pub escaped: Vec<f32>,
+    /// Passes of a relighting.
+    pub passes: u32,
 }
 
 /// A bake.
@@ -154,19 +162,35 @@ pub fn bake(
     let balance = form_factors::balance(&mut form_factors, &targets, BALANCE_STEPS);
     done("balance");
     let albedo: Vec<[f32; 3]> = map.patches.list().iter().map(|p| p.albedo).collect();
-    let (relighter, error) = encode(session, &form_factors, (&map, &albedo), settings.codec)?;
+    let truth = Truth::new(session, &form_factors, &map, &albedo)?;
+    done("exact");
+    let Encoded { relighter, passes, error } =
+        encode(session, &form_factors, &truth, settings.codec, settings.passes)?;
     done("encode");
-    let operator = Operator { map, relighter, escaped: form_factors.escaped.clone() };
+    let operator = Operator { map, relighter, escaped: form_factors.escaped.clone(), passes };
     Ok(Baked { operator, form_factors, balance, error, rays, stages })
 }
 
+/// What probe lights are for: those that weights of passes are found by are not those that the error is measured with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProbeLights {
+    /// Measuring.
+    Measure,
+    /// Finding weights.
+    Fit,
+}
+
 /// Lights that a codec is judged by: direct irradiance on all patches, eight of them. Single lit patches are the hardest; lamps near a wall, suns and an even light follow.
-pub fn probe_lights(map: &PatchMap) -> Vec<Vec<[f32; 3]>> {
+pub fn probe_lights(map: &PatchMap, purpose: ProbeLights) -> Vec<Vec<[f32; 3]>> {
     let list = map.patches.list();
     let n = list.len();
     let colour = [1.0, 0.8, 0.6];
+    let (offset, suns) = match purpose {
+        ProbeLights::Measure => (n / 14, [[0.48, 0.80, 0.36], [-0.6, 0.64, 0.48]]),
+        ProbeLights::Fit => (n / 35, [[0.0, 0.8, 0.6], [-0.36, 0.48, -0.8]]),
+    };
     let mut lights = Vec::new();
-    let at = |k: usize| (k * n / 7 + n / 14).min(n.saturating_sub(1));
+    let at = |k: usize| (k * n / 7 + offset).min(n.saturating_sub(1));
     for k in [1, 4] {
         let mut one = vec![[0.0; 3]; n];
         one[at(k)] = colour;
@@ -196,7 +220,7 @@ pub fn probe_lights(map: &PatchMap) -> Vec<Vec<[f32; 3]>> {
                 .collect(),
         );
     }
-    for sun in [[0.48, 0.80, 0.36], [-0.6, 0.64, 0.48]] {
+    for sun in suns {
         lights.push(
             list.iter()
                 .map(|q| colour.map(|x| x * (0..3).map(|c| sun[c] * q.normal[c]).sum::<f32>().max(0.0)))
@@ -207,56 +231,93 @@ pub fn probe_lights(map: &PatchMap) -> Vec<Vec<[f32; 3]>> {
     lights
 }
 
-/// Light of all bounces from form factors as they are: indirect irradiance per probe light.
-pub fn exact(
-    form_factors: &FormFactors,
-    albedo: &[[f32; 3]],
-    lights: &[Vec<[f32; 3]>],
-) -> Result<Vec<Vec<[f32; 3]>>, BakeError> {
-    // Tiles of f32 to the end: passes until nothing moves.
-    let relighter = Relighter::encode(form_factors, albedo, Rates::Uniform(Kind::F32))?;
-    let relighter = relighter.with_coarse(&polynomial::Portable, Rates::Uniform(Kind::F32))?;
-    converge(&relighter, lights)
+/// Probe lights, and light of all their bounces from form factors as they are.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// Form factors in f32, with their clusters in f32.
+    pub relighter: Relighter,
+    /// Direct irradiance of each light that measures.
+    pub lights: Vec<Vec<[f32; 3]>>,
+    /// Indirect irradiance of each.
+    pub exact: Vec<Vec<[f32; 3]>>,
+    /// The same for lights that weights are found by.
+    pub fit: (Vec<Vec<[f32; 3]>>, Vec<Vec<[f32; 3]>>),
 }
 
-/// Passes until irradiance stands.
-fn converge(relighter: &Relighter, lights: &[Vec<[f32; 3]>]) -> Result<Vec<Vec<[f32; 3]>>, BakeError> {
-    const PASSES_MAX: u32 = 64;
-    let mut room = Workspace::default();
-    let mut found = Vec::new();
-    for direct in lights {
-        let mut indirect = vec![[0.0; 3]; direct.len()];
-        relighter.relight(
-            &etendue_core::radiosity::relight::Portable,
-            (direct, &[]),
-            &mut indirect,
-            PASSES_MAX,
-            &mut room,
-        )?;
-        found.push(indirect);
+impl Truth {
+    /// By passes over f32 until nothing moves.
+    ///
+    /// # Errors
+    /// Of form factors that make no operator.
+    pub fn new(
+        session: &dyn Session,
+        form_factors: &FormFactors,
+        map: &PatchMap,
+        albedo: &[[f32; 3]],
+    ) -> Result<Self, BakeError> {
+        let relighter = Relighter::encode(form_factors, albedo, Rates::Uniform(Kind::F32))?;
+        let relighter = session.with_coarse(relighter, Rates::Uniform(Kind::F32))?;
+        let mut room = Workspace::default();
+        let mut solve = |lights: &[Vec<[f32; 3]>]| -> Result<Vec<Vec<[f32; 3]>>, BakeError> {
+            let mut all = Vec::new();
+            for direct in lights {
+                let mut indirect = vec![[0.0; 3]; direct.len()];
+                session.converge(&relighter, (direct, &[]), &mut indirect, STANDS, &mut room)?;
+                all.push(indirect);
+            }
+            Ok(all)
+        };
+        let [lights, fit] = [ProbeLights::Measure, ProbeLights::Fit].map(|p| probe_lights(map, p));
+        let (exact, fitted) = (solve(&lights)?, solve(&fit)?);
+        Ok(Self { relighter, lights, exact, fit: (fit, fitted) })
     }
-    Ok(found)
+
+    /// Weights for so many passes.
+    ///
+    /// # Errors
+    /// Of numbers that do not fit.
+    pub fn weights(&self, session: &dyn Session, passes: u32) -> Result<Vec<f32>, BakeError> {
+        let mut room = Workspace::default();
+        let plain = self.relighter.clone().with_weights(Vec::new())?;
+        weights::fit(plain.areas(), &self.fit.0, &self.fit.1, passes, |light, passes, found| {
+            Ok(session.relight(&plain, (light, &[]), found, passes, &mut room)?)
+        })
+    }
+
+    /// Error of a relighter over the lights that measure.
+    ///
+    /// # Errors
+    /// Of numbers that do not fit.
+    pub fn measure(
+        &self,
+        session: &dyn Session,
+        relighter: &Relighter,
+        passes: u32,
+    ) -> Result<CodecError, BakeError> {
+        let mut room = Workspace::default();
+        let mut found = vec![[0.0; 3]; relighter.len()];
+        let mut judge = Judge::default();
+        for (direct, truth) in self.lights.iter().zip(&self.exact) {
+            session.relight(relighter, (direct, &[]), &mut found, passes, &mut room)?;
+            judge.add(relighter.areas(), &found, truth);
+        }
+        Ok(judge.error())
+    }
 }
 
-/// Error of a relighter over probe lights whose exact irradiance is known.
-///
-/// # Errors
-/// Of numbers that do not fit.
-pub fn measure(
-    session: &dyn Session,
-    relighter: &Relighter,
-    lights: &[Vec<[f32; 3]>],
-    exact: &[Vec<[f32; 3]>],
-    passes: u32,
-) -> Result<CodecError, BakeError> {
-    let mut room = Workspace::default();
-    let mut found = vec![[0.0; 3]; relighter.len()];
-    let mut error = CodecError::default();
-    let mut squares = 0.0;
-    for (direct, truth) in lights.iter().zip(exact) {
-        session.relight(relighter, (direct, &[]), &mut found, passes, &mut room)?;
+/// Collects errors of lights.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Judge {
+    error: CodecError,
+    squares: f64,
+    lights: f64,
+}
+
+impl Judge {
+    /// One light's irradiance, and the truth. A light of which nothing comes back is left out.
+    pub fn add(&mut self, areas: &[f32], found: &[[f32; 3]], truth: &[[f32; 3]]) {
         let (mut d, mut s, mut a, mut b) = (0.0, 0.0, 0.0, 0.0);
-        for ((x, t), area) in found.iter().zip(truth).zip(relighter.areas()) {
+        for ((x, t), area) in found.iter().zip(truth).zip(areas) {
             for c in 0..3 {
                 let (x, t, area) = (f64::from(x[c]), f64::from(t[c]), f64::from(*area));
                 d += area * (x - t) * (x - t);
@@ -265,55 +326,95 @@ pub fn measure(
                 b += area * t;
             }
         }
-        if s > 0.0 {
-            let relative = (d / s).sqrt();
-            squares += d / s;
-            error.worst = error.worst.max(relative);
-            error.energy = error.energy.max((a / b - 1.0).abs());
+        if s > 0.0 && b > 0.0 {
+            self.squares += d / s;
+            self.lights += 1.0;
+            self.error.worst = self.error.worst.max((d / s).sqrt());
+            self.error.energy = self.error.energy.max((a / b - 1.0).abs());
         }
     }
-    error.rms = (squares / lights.len().max(1) as f64).sqrt();
-    Ok(error)
+
+    /// Of all of them.
+    pub fn error(&self) -> CodecError {
+        CodecError { rms: (self.squares / self.lights.max(1.0)).sqrt(), ..self.error }
+    }
+}
+
+/// Form factors as a codec stores them.
+#[derive(Clone, Debug)]
+pub struct Encoded {
+    /// What relights.
+    pub relighter: Relighter,
+    /// In so many passes.
+    pub passes: u32,
+    /// What that costs.
+    pub error: CodecError,
 }
 
 /// Stores form factors as the codec says, and measures what that costs.
+///
+/// # Errors
+/// Of form factors that make no operator.
 pub fn encode(
     session: &dyn Session,
     form_factors: &FormFactors,
-    (map, albedo): (&PatchMap, &[[f32; 3]]),
+    truth: &Truth,
     codec: Codec,
-) -> Result<(Relighter, CodecError), BakeError> {
-    let lights = probe_lights(map);
-    let truth = exact(form_factors, albedo, &lights)?;
-    let make = |rates: Rates, coarse: Rates| -> Result<(Relighter, CodecError), BakeError> {
-        let made = session.with_coarse(Relighter::encode(form_factors, albedo, rates)?, coarse)?;
-        let error = measure(session, &made, &lights, &truth, PASSES)?;
-        Ok((made, error))
+    passes: Option<u32>,
+) -> Result<Encoded, BakeError> {
+    let albedo = truth.relighter.albedo_list();
+    let limit = match codec {
+        Codec::Auto { max_error } => max_error * PASSES_SHARE,
+        Codec::F16 | Codec::F32 => f64::INFINITY,
     };
+    // As few passes as leave the tiles room for errors of their own.
+    let mut count = passes.unwrap_or(PASSES);
+    let weights = loop {
+        let weights = truth.weights(session, count)?;
+        let made = truth.relighter.clone().with_weights(weights.clone())?;
+        let good = truth.measure(session, &made, count)?.rms <= limit;
+        if good || passes.is_some() || count >= PASSES_MOST {
+            break weights;
+        }
+        count += 1;
+    };
+    let symmetric = Symmetric::new(form_factors);
+    let make = |want: &(dyn Fn(usize, usize) -> Kind + Sync), coarse: Rates| -> Result<Encoded, BakeError> {
+        let tiles = session.tiles(&symmetric, want).map_err(RelightError::Tiles)?;
+        let relighter = Relighter::of(form_factors, &albedo, tiles)?
+            .with_coarse_of(&truth.relighter, coarse)?
+            .with_weights(weights.clone())?;
+        let error = truth.measure(session, &relighter, count)?;
+        Ok(Encoded { relighter, passes: count, error })
+    };
+    let uniform = |kind: Kind| make(&|_, _| kind, Rates::Uniform(kind));
     match codec {
-        Codec::F32 => make(Rates::Uniform(Kind::F32), Rates::Uniform(Kind::F32)),
-        Codec::F16 => make(Rates::Uniform(Kind::F16), Rates::Uniform(Kind::F16)),
+        Codec::F32 => uniform(Kind::F32),
+        Codec::F16 => uniform(Kind::F16),
         Codec::Auto { max_error } => {
-            // The error grows with what a bit may cost; look for the largest that is allowed.
-            let (mut low, mut high) = (1e-12_f64, 1e-2_f64);
+            let curves = session.rate_curves(&symmetric);
+            // The error grows with what a bit may cost; look for the largest cost that is allowed.
+            let (mut low, mut high) = (1e-12_f64, 1e-3_f64);
             let mut best = None;
             for _ in 0..SEARCH_STEPS {
                 let lambda = (low * high).sqrt();
-                let found = make(Rates::Cheapest { lambda }, COARSE)?;
-                if found.1.rms <= max_error {
+                let coarse = Rates::Cheapest { lambda: COARSE * lambda };
+                let found = make(&|row, column| curves.kind(row, column, lambda), coarse)?;
+                let rms = found.error.rms;
+                if rms <= max_error {
                     low = lambda;
                     best = Some(found);
+                    if rms >= NEAR * max_error {
+                        break;
+                    }
                 } else {
                     high = lambda;
-                }
-                if high / low < 1.15 {
-                    break;
                 }
             }
             match best {
                 Some(best) => Ok(best),
                 // Nothing in few bits is good enough.
-                None => make(Rates::Uniform(Kind::F32), Rates::Uniform(Kind::F32)),
+                None => uniform(Kind::F32),
             }
         }
     }
@@ -368,14 +469,13 @@ pub fn relight(
     session: &dyn Session,
     operator: &Operator,
     light: &PatchLight,
-    passes: u32,
     room: &mut Workspace,
 ) -> Result<Vec<[f32; 3]>, RelightError> {
     let direct: Vec<[f32; 3]> =
         light.direct.iter().zip(&light.sky).map(|(d, s)| [0, 1, 2].map(|c| d[c] + s[c])).collect();
     let emission: Vec<[f32; 3]> = operator.map.patches.list().iter().map(|p| p.emission).collect();
     let mut indirect = vec![[0.0; 3]; direct.len()];
-    session.relight(&operator.relighter, (&direct, &emission), &mut indirect, passes, room)?;
+    session.relight(&operator.relighter, (&direct, &emission), &mut indirect, operator.passes, room)?;
     Ok(indirect)
 }
 

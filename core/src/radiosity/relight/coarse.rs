@@ -4,7 +4,7 @@ use super::{Products, RelightError};
 use crate::math;
 use crate::radiosity::operator::{Dense, OperatorError};
 use crate::radiosity::polynomial::{self, Multiply, SolveError};
-use crate::radiosity::tiles::{Planes, Rates, SIDE, Scratch, Tiles, encode, tile_rows};
+use crate::radiosity::tiles::{Planes, Rates, SIDE, Scratch, TileError, Tiles, encode, tile_rows};
 use alloc::vec::Vec;
 use core::fmt;
 
@@ -93,6 +93,18 @@ impl Coarse {
             Err(_) => return Err(RelightError::WrongLength { slice: "channels", found: 0, expected: 3 }),
         };
         Ok(Self { tiles, shares, into, out, rates })
+    }
+
+    /// The same in tiles of other rates.
+    pub(super) fn encoded(&self, rates: Rates) -> Result<Self, TileError> {
+        let mut tiles = self.tiles.clone();
+        for tiles in &mut tiles {
+            let m = tiles.len();
+            let mut half = alloc::vec![0.0_f32; m * (m + 1) / 2];
+            tiles.for_each(|i, j, value| half[i * (i + 1) / 2 + j] = value);
+            *tiles = encode(m, rates, |i, j| half[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)])?;
+        }
+        Ok(Self { tiles, rates, ..self.clone() })
     }
 
     /// How the inverse is stored.

@@ -13,12 +13,13 @@
 //! B <- B + r + R P Gc Q r,   Gc = Fc (I - Rc Fc)^-1,   Fc = Q F P,   Rc = Q R P
 //! ```
 //!
-//! P gives a cluster's value to its patches, and Q is the mean by area (Q P = 1). The last pass gives E = F B + P Gc Q r, the clusters' share of all that was still to come.
+//! P gives a cluster's value to its patches, and Q is the mean by area (Q P = 1). The first B is B0 + R P Gc Q B0, which needs no pass and takes a third of the error away. The last pass gives E = F B + P Gc Q r, the clusters' share of all that was still to come.
 //! It is one fixed linear map of E_direct: no test of convergence, the same time for all lights.
 
 mod coarse;
 #[cfg(test)]
 mod tests;
+pub mod weights;
 
 pub use coarse::{Coarse, CoarseError};
 
@@ -129,6 +130,8 @@ pub struct Relighter {
     out: Vec<[f32; SIDE]>,
     albedo: Vec<Planes<3>>,
     coarse: Option<Coarse>,
+    /// Weights of passes; see [`weights`].
+    weights: Vec<f32>,
 }
 
 /// Room for a relighting: none is asked for while it runs.
@@ -137,6 +140,8 @@ pub struct Workspace {
     start: Vec<Planes<3>>,
     radiosity: Vec<Planes<3>>,
     rest: Vec<Planes<3>>,
+    last: Vec<Planes<3>>,
+    sum: Vec<Planes<3>>,
     x: Vec<Planes<3>>,
     y: Vec<Planes<3>>,
     scratch: Scratch<3>,
@@ -167,6 +172,16 @@ fn fill(planes: &mut [Planes<3>], values: &[[f32; 3]]) {
     }
 }
 
+/// Adds each cluster's number to its patches: P, by runs of eight.
+fn add_sent(y: &mut [Planes<3>], sent: &[Planes<3>]) {
+    for (row, y) in y.iter_mut().enumerate() {
+        for (y, sent) in y.iter_mut().zip(&sent[row / SIDE]) {
+            let e = sent[row % SIDE];
+            y.iter_mut().for_each(|y| *y += e);
+        }
+    }
+}
+
 fn check_len(slice: &'static str, found: usize, expected: usize) -> Result<(), RelightError> {
     if found == expected { Ok(()) } else { Err(RelightError::WrongLength { slice, found, expected }) }
 }
@@ -178,10 +193,35 @@ fn check(slice: &'static str, values: &[[f32; 3]], good: impl Fn(f32) -> bool) -
     }
 }
 
-/// S(i, j) of form factors.
-pub fn symmetric(form_factors: &FormFactors) -> impl Fn(usize, usize) -> f32 {
-    let roots: Vec<f64> = form_factors.areas.iter().map(|a| math::sqrt64(f64::from(*a))).collect();
-    move |i, j| (f64::from(form_factors.flux(i, j)) / (roots[i] * roots[j])) as f32
+/// S of form factors: what tiles store.
+#[derive(Clone, Debug)]
+pub struct Symmetric<'a> {
+    form_factors: &'a FormFactors,
+    roots: Vec<f64>,
+}
+
+impl<'a> Symmetric<'a> {
+    /// Of these form factors.
+    pub fn new(form_factors: &'a FormFactors) -> Self {
+        let roots = form_factors.areas.iter().map(|a| 1.0 / math::sqrt64(f64::from(*a))).collect();
+        Self { form_factors, roots }
+    }
+
+    /// How many patches there are.
+    pub fn len(&self) -> usize {
+        self.roots.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.roots.is_empty()
+    }
+
+    /// S(i, j).
+    #[inline(always)]
+    pub fn entry(&self, i: usize, j: usize) -> f32 {
+        (f64::from(self.form_factors.flux(i, j)) * (self.roots[i] * self.roots[j])) as f32
+    }
 }
 
 impl Relighter {
@@ -194,7 +234,16 @@ impl Relighter {
         albedo: &[[f32; 3]],
         rates: Rates,
     ) -> Result<Self, RelightError> {
-        let tiles = encode(form_factors.len(), rates, symmetric(form_factors))?;
+        let symmetric = Symmetric::new(form_factors);
+        let tiles = encode(form_factors.len(), rates, |i, j| symmetric.entry(i, j))?;
+        Self::of(form_factors, albedo, tiles)
+    }
+
+    /// From tiles of these form factors.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(form_factors: &FormFactors, albedo: &[[f32; 3]], tiles: Tiles) -> Result<Self, RelightError> {
         let factors = energy(&tiles, &form_factors.areas, &form_factors.row_sums());
         Self::new(tiles, form_factors.areas.clone(), factors, albedo)
     }
@@ -222,7 +271,16 @@ impl Relighter {
         let roots: Vec<f32> = areas.iter().map(|a| math::sqrt(*a)).collect();
         let into = blocks(roots.iter().zip(&factors).map(|(r, d)| d * r));
         let out = blocks(roots.iter().zip(&factors).map(|(r, d)| d / r));
-        Ok(Self { tiles, areas, factors, into, out, albedo: planes(albedo), coarse: None })
+        Ok(Self {
+            tiles,
+            areas,
+            factors,
+            into,
+            out,
+            albedo: planes(albedo),
+            coarse: None,
+            weights: Vec::new(),
+        })
     }
 
     /// With the second level, its inverse in tiles of these rates.
@@ -236,6 +294,29 @@ impl Relighter {
     ) -> Result<Self, RelightError> {
         let albedo = self.albedo_list();
         self.coarse = Some(Coarse::new(multiply, &self.clusters(), &self.areas, &albedo, rates)?);
+        Ok(self)
+    }
+
+    /// With the second level of another relighter of the same patches, in tiles of these rates: that of form factors in more bits serves these as well.
+    ///
+    /// # Errors
+    /// Another number of patches.
+    pub fn with_coarse_of(mut self, other: &Self, rates: Rates) -> Result<Self, RelightError> {
+        check_len("patches", other.len(), self.len())?;
+        self.coarse = other.coarse.as_ref().map(|c| c.encoded(rates)).transpose()?;
+        Ok(self)
+    }
+
+    /// With weights for as many passes as there are weights ([`weights::fit`]); relighting in another number of passes weights none. They fit
+    /// albedos not far from those they were found for.
+    ///
+    /// # Errors
+    /// A weight that is not finite.
+    pub fn with_weights(mut self, weights: Vec<f32>) -> Result<Self, RelightError> {
+        if let Some(patch) = weights.iter().position(|w| !w.is_finite()) {
+            return Err(RelightError::BadValue { slice: "weight", patch, value: weights[patch] });
+        }
+        self.weights = weights;
         Ok(self)
     }
 
@@ -273,6 +354,11 @@ impl Relighter {
     /// The second level, if there is one.
     pub fn coarse(&self) -> Option<&Coarse> {
         self.coarse.as_ref()
+    }
+
+    /// Weights of passes.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
     }
 
     /// How many patches there are.
@@ -356,20 +442,73 @@ impl Relighter {
         Ok(())
     }
 
-    /// Indirect irradiance \[W/m^2\] per patch from direct irradiance and what patches emit themselves (empty: nothing), by so many passes over the form factors, at least one.
+    /// Indirect irradiance \[W/m^2\] per patch from direct irradiance and what patches emit themselves (empty: nothing), by so many passes over the form factors.
     ///
-    /// With clusters that is all bounces; without, as many as there are passes. Nothing is allocated once the workspace has been used.
+    /// With clusters that is all bounces (with no pass, as clusters alone have it); without, as many as there are passes. It is linear in the light, and where little
+    /// light comes it may be a little below 0. Nothing is allocated once the workspace has been used.
     ///
     /// # Errors
     /// A wrong length; irradiance that is not finite.
     pub fn relight<P: Products>(
         &self,
         products: &P,
-        (direct, emission): (&[[f32; 3]], &[[f32; 3]]),
+        light: (&[[f32; 3]], &[[f32; 3]]),
         indirect: &mut [[f32; 3]],
         passes: u32,
         room: &mut Workspace,
     ) -> Result<(), RelightError> {
+        self.run(products, light, indirect, (passes, 0.0), room).map(|_| ())
+    }
+
+    /// [`Self::relight`] with as many passes as it takes until one changes irradiance, in the root mean square by area, by no more than this part, or until the most are made.
+    /// How many were.
+    ///
+    /// # Errors
+    /// As [`Self::relight`].
+    pub fn converge<P: Products>(
+        &self,
+        products: &P,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        (most, tolerance): (u32, f64),
+        room: &mut Workspace,
+    ) -> Result<u32, RelightError> {
+        self.run(
+            products,
+            light,
+            indirect,
+            (most, if tolerance > 0.0 { tolerance } else { f64::MIN_POSITIVE }),
+            room,
+        )
+    }
+
+    /// Relative change from one irradiance to the next.
+    fn change(&self, next: &[Planes<3>], last: &[Planes<3>]) -> f64 {
+        let (mut moved, mut all) = (0.0, 0.0);
+        for (i, area) in self.areas.iter().enumerate() {
+            for c in 0..3 {
+                let [a, b] = [next, last].map(|x| f64::from(x[i / SIDE][c][i % SIDE]));
+                moved += f64::from(*area) * (a - b) * (a - b);
+                all += f64::from(*area) * a * a;
+            }
+        }
+        if moved <= 0.0 {
+            0.0
+        } else if all > 0.0 {
+            math::sqrt64(moved / all)
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    fn run<P: Products>(
+        &self,
+        products: &P,
+        (direct, emission): (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        (passes, tolerance): (u32, f64),
+        room: &mut Workspace,
+    ) -> Result<u32, RelightError> {
         let n = self.len();
         check_len("direct irradiance", direct.len(), n)?;
         check_len("indirect irradiance", indirect.len(), n)?;
@@ -379,7 +518,15 @@ impl Relighter {
         check("direct irradiance", direct, f32::is_finite)?;
         check("emission", emission, f32::is_finite)?;
         let rows = tile_rows(n);
-        for planes in [&mut room.start, &mut room.radiosity, &mut room.rest, &mut room.x, &mut room.y] {
+        for planes in [
+            &mut room.start,
+            &mut room.radiosity,
+            &mut room.rest,
+            &mut room.last,
+            &mut room.sum,
+            &mut room.x,
+            &mut room.y,
+        ] {
             planes.clear();
             planes.resize(rows, Planes::default());
         }
@@ -397,7 +544,15 @@ impl Relighter {
             }
         }
         room.radiosity.copy_from_slice(&room.start);
-        for pass in 1..=passes.max(1) {
+        if let Some(coarse) = &self.coarse {
+            add_sent(&mut room.last, coarse.apply(products, &room.start, &mut room.coarse));
+            self.bounce_all(&room.start, &room.last, &mut room.radiosity);
+            room.sum.copy_from_slice(&room.last);
+        }
+        let weights =
+            if tolerance <= 0.0 && self.weights.len() == passes as usize { &self.weights[..] } else { &[] };
+        let mut done = 0;
+        for pass in 0..passes as usize {
             let mut gather = Gather {
                 radiosity: &room.radiosity,
                 x: &mut room.x,
@@ -405,40 +560,38 @@ impl Relighter {
                 scratch: &mut room.scratch,
             };
             self.gather(products, &mut gather);
-            let last = pass >= passes.max(1);
-            let Some(coarse) = &self.coarse else {
-                if !last {
-                    self.bounce_all(&room.start, &room.y, &mut room.radiosity);
+            if let Some(coarse) = &self.coarse {
+                // r = B0 + R F B - B.
+                self.bounce_all(&room.start, &room.y, &mut room.rest);
+                for (r, b) in room.rest.as_flattened_mut().iter_mut().zip(room.radiosity.as_flattened()) {
+                    for k in 0..SIDE {
+                        r[k] -= b[k];
+                    }
                 }
-                continue;
-            };
-            for (r, (((y, rho), b0), b)) in room
-                .rest
-                .iter_mut()
-                .zip(room.y.iter().zip(&self.albedo).zip(&room.start).zip(&room.radiosity))
-            {
+                add_sent(&mut room.y, coarse.apply(products, &room.rest, &mut room.coarse));
+            }
+            // Now y is E of this pass.
+            let weight = weights.get(pass).copied().unwrap_or(1.0);
+            for (sum, (y, last)) in room.sum.iter_mut().zip(room.y.iter().zip(&room.last)) {
                 for c in 0..3 {
                     for k in 0..SIDE {
-                        r[c][k] = b0[c][k] + rho[c][k] * y[c][k] - b[c][k];
+                        sum[c][k] += weight * (y[c][k] - last[c][k]);
                     }
                 }
             }
-            let sent = coarse.apply(products, &room.rest, &mut room.coarse);
-            for (row, y) in room.y.iter_mut().enumerate() {
-                for (y, sent) in y.iter_mut().zip(&sent[row / SIDE]) {
-                    let e = sent[row % SIDE];
-                    y.iter_mut().for_each(|y| *y += e);
-                }
-            }
-            if !last {
-                // B + r + R P Gc Q r = B0 + R (F B + P Gc Q r).
-                self.bounce_all(&room.start, &room.y, &mut room.radiosity);
+            // B + r + R P Gc Q r = B0 + R (F B + P Gc Q r).
+            self.bounce_all(&room.start, &room.y, &mut room.radiosity);
+            let stands = tolerance > 0.0 && self.change(&room.y, &room.last) <= tolerance;
+            core::mem::swap(&mut room.y, &mut room.last);
+            done += 1;
+            if stands {
+                break;
             }
         }
         for (i, e) in indirect.iter_mut().enumerate() {
-            *e = [0, 1, 2].map(|c| room.y[i / SIDE][c][i % SIDE]);
+            *e = [0, 1, 2].map(|c| room.sum[i / SIDE][c][i % SIDE]);
         }
-        Ok(())
+        Ok(done)
     }
 
     /// B = B0 + R E.

@@ -30,6 +30,7 @@ struct Coded {
 }
 
 /// Scale as it is stored: the upper half of an f32, rounded up so that the largest entry can be reached.
+#[inline(always)]
 fn stored(scale: f32) -> u16 {
     let bits = scale.to_bits();
     ((bits >> 16) + u32::from(bits & 0xffff != 0)).min(0x7f7f) as u16
@@ -40,6 +41,7 @@ pub(super) fn scale_of(stored: u16) -> f32 {
     f32::from_bits(u32::from(stored) << 16)
 }
 
+#[inline(always)]
 fn squared(tile: &[f32; ENTRIES], value: impl Fn(usize) -> f32) -> f64 {
     let mut sum = 0.0;
     for (i, x) in tile.iter().enumerate() {
@@ -49,6 +51,7 @@ fn squared(tile: &[f32; ENTRIES], value: impl Fn(usize) -> f32) -> f64 {
     sum
 }
 
+#[inline(always)]
 fn mean(tile: &[f32; ENTRIES]) -> Coded {
     let mean = tile.iter().map(|x| f64::from(*x)).sum::<f64>() / ENTRIES as f64;
     // To nearest: nothing need be reached.
@@ -59,6 +62,7 @@ fn mean(tile: &[f32; ENTRIES]) -> Coded {
 }
 
 /// The code nearest to a value, from that of its root.
+#[inline(always)]
 fn code(x: f32, root_step: f32, top: f32) -> f32 {
     if root_step <= 0.0 {
         return 0.0;
@@ -73,6 +77,7 @@ fn code(x: f32, root_step: f32, top: f32) -> f32 {
     if (x - value(low)).abs() <= (value(high) - x).abs() { low } else { high }
 }
 
+#[inline(always)]
 fn with_bits(tile: &[f32; ENTRIES], kind: Kind, largest: f32) -> Coded {
     let top = ((1_u32 << kind.bits()) - 1) as f32;
     let mut best: Option<Coded> = None;
@@ -94,40 +99,82 @@ fn with_bits(tile: &[f32; ENTRIES], kind: Kind, largest: f32) -> Coded {
     best.unwrap_or(Coded { kind: Kind::Empty, scale: 0, codes: [0; ENTRIES], error: 0.0 })
 }
 
-/// The tile of least cost. `twice`: it stands for its mirror image as well.
-fn choose(tile: &[f32; ENTRIES], rates: Rates, twice: bool) -> Coded {
-    let largest = tile.iter().fold(0.0_f32, |m, x| math::max(m, *x));
-    let empty = Coded { kind: Kind::Empty, scale: 0, codes: [0; ENTRIES], error: squared(tile, |_| 0.0) };
+/// Squared errors of a tile in the kinds that rates choose from, from nothing to eight bits.
+pub type Curve = [f32; CHOICES];
+const CHOICES: usize = 8;
+
+/// See [`Curve`].
+#[inline(always)]
+fn curve(tile: &[f32; ENTRIES]) -> Curve {
+    let largest = largest(tile);
     if largest <= 0.0 {
-        return empty;
+        return [0.0; CHOICES];
     }
-    let lambda = match rates {
-        Rates::Cheapest { lambda } => lambda,
-        Rates::Uniform(Kind::Empty) => return empty,
-        Rates::Uniform(Kind::Mean) => return mean(tile),
-        Rates::Uniform(kind @ (Kind::F16 | Kind::F32)) => return Coded { kind, ..empty },
-        Rates::Uniform(kind) => return with_bits(tile, kind, largest),
-    };
+    core::array::from_fn(|k| coded(tile, Kind::ALL[k], largest).error as f32)
+}
+
+/// The kind of least error^2 + lambda x bits. `twice`: the tile stands for its mirror image as well.
+fn cheapest(curve: &Curve, lambda: f64, twice: bool) -> Kind {
     let weight = if twice { 2.0 } else { 1.0 };
-    let cost = |c: &Coded| weight * c.error + lambda * 8.0 * c.kind.bytes() as f64;
-    let mut best = empty;
-    let mut try_one = |c: Coded| {
-        let better = cost(&c) < cost(&best);
-        if better {
-            best = c;
-        }
-        better
-    };
-    try_one(mean(tile));
-    let mut worse = 0;
-    for kind in &Kind::ALL[2..8] {
-        // Costs fall and then rise with the bits, nearly always.
-        worse = if try_one(with_bits(tile, *kind, largest)) { 0 } else { worse + 1 };
-        if worse > 2 && lambda > 0.0 {
-            break;
+    let cost = |k: usize| weight * f64::from(curve[k]) + lambda * 8.0 * Kind::ALL[k].bytes() as f64;
+    let best = (1..CHOICES).fold(0, |best, k| if cost(k) < cost(best) { k } else { best });
+    Kind::ALL[best]
+}
+
+#[inline(always)]
+fn largest(tile: &[f32; ENTRIES]) -> f32 {
+    tile.iter().fold(0.0_f32, |m, x| math::max(m, *x))
+}
+
+/// A tile as it is stored in a kind; `largest` must be its largest entry, above 0.
+#[inline(always)]
+fn coded(tile: &[f32; ENTRIES], kind: Kind, largest: f32) -> Coded {
+    match kind {
+        Kind::Empty => Coded { kind, scale: 0, codes: [0; ENTRIES], error: squared(tile, |_| 0.0) },
+        Kind::Mean => mean(tile),
+        Kind::F16 | Kind::F32 => Coded { kind, scale: 0, codes: [0; ENTRIES], error: 0.0 },
+        _ => with_bits(tile, kind, largest),
+    }
+}
+
+/// Entries of a tile; beyond n they are 0.
+#[inline(always)]
+fn tile_at(n: usize, row: usize, column: usize, entry: &impl Fn(usize, usize) -> f32) -> [f32; ENTRIES] {
+    let mut tile = [0.0; ENTRIES];
+    for (k, x) in tile.iter_mut().enumerate() {
+        let (i, j) = (SIDE * row + k / SIDE, SIDE * column + k % SIDE);
+        if i < n && j < n {
+            *x = entry(i.max(j), i.min(j));
         }
     }
-    best
+    tile
+}
+
+/// Curves of a row of tiles; see [`encode_row`].
+#[inline(always)]
+pub fn curve_row(n: usize, row: usize, entry: impl Fn(usize, usize) -> f32) -> Vec<Curve> {
+    (0..=row).map(|column| curve(&tile_at(n, row, column, &entry))).collect()
+}
+
+/// What each tile of a matrix loses in each kind: with it, tiles of any rates are found without trying.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RateCurves {
+    rows: Vec<Vec<Curve>>,
+}
+
+impl RateCurves {
+    /// From the curves of all rows of tiles.
+    pub fn new(rows: Vec<Vec<Curve>>) -> Self {
+        Self { rows }
+    }
+
+    /// The kind of least error^2 + lambda x bits of a tile.
+    pub fn kind(&self, row: usize, column: usize, lambda: f64) -> Kind {
+        self.rows
+            .get(row)
+            .and_then(|r| r.get(column))
+            .map_or(Kind::Empty, |c| cheapest(c, lambda, column < row))
+    }
 }
 
 fn write(coded: &Coded, tile: &[f32; ENTRIES], payload: &mut Vec<u8>) {
@@ -175,27 +222,46 @@ pub(super) fn parts(bits: u32) -> impl Iterator<Item = (u32, u32)> {
     list.iter().copied()
 }
 
-/// Kinds and payload of one row of tiles; `entry(i, j)` is S(i, j), not negative, asked for i >= j and mirrored on the diagonal. Entries beyond n are 0.
+/// Kinds and payload of one row of tiles; `entry(i, j)` is S(i, j), not negative, asked for i >= j and mirrored on the diagonal. Entries beyond n are 0. `want` is the kind of
+/// the tile in a column; tiles without anything are empty.
+#[inline(always)]
 pub fn encode_row(
     n: usize,
     row: usize,
-    rates: Rates,
+    want: impl Fn(usize) -> Kind,
     entry: impl Fn(usize, usize) -> f32,
 ) -> (Vec<u8>, Vec<u8>) {
     let (mut kinds, mut payload) = (alloc::vec![0_u8; row / 2 + 1], Vec::new());
     for column in 0..=row {
-        let mut tile = [0.0; ENTRIES];
-        for (k, x) in tile.iter_mut().enumerate() {
-            let (i, j) = (SIDE * row + k / SIDE, SIDE * column + k % SIDE);
-            if i < n && j < n {
-                *x = entry(i.max(j), i.min(j));
-            }
+        let kind = want(column);
+        if kind == Kind::Empty {
+            continue;
         }
-        let coded = choose(&tile, rates, column < row);
-        kinds[column / 2] |= (coded.kind as u8) << (4 * (column % 2));
-        write(&coded, &tile, &mut payload);
+        let tile = tile_at(n, row, column, &entry);
+        let largest = largest(&tile);
+        if largest > 0.0 {
+            let coded = coded(&tile, kind, largest);
+            kinds[column / 2] |= (coded.kind as u8) << (4 * (column % 2));
+            write(&coded, &tile, &mut payload);
+        }
     }
     (kinds, payload)
+}
+
+/// Tiles from their rows; see [`encode_row`].
+///
+/// # Errors
+/// As [`Tiles::try_new`]: too many patches.
+pub fn join_rows(
+    n: usize,
+    rows: impl IntoIterator<Item = (Vec<u8>, Vec<u8>)>,
+) -> Result<Tiles, super::TileError> {
+    let (mut kinds, mut payload) = (Vec::with_capacity(kinds_start(tile_rows(n))), Vec::new());
+    for (k, p) in rows {
+        kinds.extend(k);
+        payload.extend(p);
+    }
+    Tiles::try_new(n, kinds, payload)
 }
 
 /// Tiles of a symmetric matrix of n patches; see [`encode_row`], of which this is one after another.
@@ -207,11 +273,12 @@ pub fn encode(
     rates: Rates,
     entry: impl Fn(usize, usize) -> f32,
 ) -> Result<Tiles, super::TileError> {
-    let (mut kinds, mut payload) = (Vec::with_capacity(kinds_start(tile_rows(n))), Vec::new());
-    for row in 0..tile_rows(n) {
-        let (k, p) = encode_row(n, row, rates, &entry);
-        kinds.extend(k);
-        payload.extend(p);
-    }
-    Tiles::try_new(n, kinds, payload)
+    let rows = (0..tile_rows(n)).map(|row| match rates {
+        Rates::Uniform(kind) => encode_row(n, row, |_| kind, &entry),
+        Rates::Cheapest { lambda } => {
+            let curves = curve_row(n, row, &entry);
+            encode_row(n, row, |column| cheapest(&curves[column], lambda, column < row), &entry)
+        }
+    });
+    join_rows(n, rows)
 }

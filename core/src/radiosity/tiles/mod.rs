@@ -15,7 +15,7 @@ mod half;
 mod tests;
 
 pub use apply::{STRIPE_ROWS, Scratch, add_columns, decode};
-pub use encode::{Rates, encode, encode_row};
+pub use encode::{Curve, RateCurves, Rates, curve_row, encode, encode_row, join_rows};
 
 use alloc::vec::Vec;
 use core::fmt;
