@@ -26,6 +26,8 @@ const WALKS_PER_ELEMENT: u64 = 4;
 const WALKS: [u64; 2] = [1 << 14, 1 << 21];
 /// Walks from inside of which so few leave have found a crack: what is outside is not lit through it.
 const CRACK: f64 = 1.0 / 256.0;
+/// A surface so near before another, in sides of an element, covers it.
+const NEAR: f32 = 0.5;
 /// Walks of one task.
 const TASK: u32 = 1 << 10;
 /// Replicate of the walks from infinity; that of the others is 0.
@@ -101,7 +103,11 @@ pub(crate) fn patches(
     }
     let live =
         |element: usize| near.of.get(element).and_then(|c| met.get(*c as usize)).copied().unwrap_or(false);
-    let clusters = clustering.retain(live).by_count(settings.count as usize);
+    let clustering = clustering.retain(live);
+    let near = NEAR * elements.settings().largest;
+    let kind = |(element, place)| reach::kind(scene, tree, &elements, (element as u32, place), near);
+    let kinds: Vec<u8> = pool.install(|| clustering.places().par_iter().enumerate().map(kind).collect());
+    let clusters = clustering.apart(kinds).by_count(settings.count as usize);
     let patches = Patches::new(scene, &elements, &clusters);
     PatchMap { elements, patches }
 }

@@ -25,6 +25,8 @@ pub const PASSES: u32 = 3;
 const PASSES_MOST: u32 = 12;
 /// Share of the allowed error, in the root mean square, that is left to passes.
 const PASSES_SHARE: f64 = 0.6;
+/// What passes may leave where form factors are stored as they are.
+const FULL_ERROR: f64 = 0.005;
 /// When irradiance stands: passes at most, and relative change of one.
 const STANDS: (u32, f64) = (200, 2e-7);
 
@@ -365,7 +367,7 @@ pub fn encode(
     let albedo = truth.relighter.albedo_list();
     let limit = match codec {
         Codec::Auto { max_error } => max_error * PASSES_SHARE,
-        Codec::F16 | Codec::F32 => f64::INFINITY,
+        Codec::F16 | Codec::F32 => FULL_ERROR,
     };
     // As few passes as leave the tiles room for errors of their own.
     let mut count = passes.unwrap_or(PASSES);

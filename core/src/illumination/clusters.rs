@@ -9,11 +9,14 @@ use alloc::vec::Vec;
 const SMALL: f64 = 0.01;
 /// "No cluster": of elements without area.
 pub const NO_CLUSTER: u32 = u32::MAX;
+/// Bits of a voxel's number along an axis, and of what elements of a cluster have alike: kind, axis, direction.
+const CELL_BITS: u32 = 19;
+const LIKE_BITS: u32 = 7;
 /// Steps by which the size of voxels is found for a number of clusters.
 const STEPS: usize = 40;
 
 /// A division of the elements of a map into clusters: those whose places lie in the same cubic voxel and whose normals are nearest to the same axis (and
-/// direction along it, where sides are apart).
+/// direction along it, where sides are apart), of one kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clusters {
     /// Cluster of each element, or [`NO_CLUSTER`].
@@ -30,6 +33,8 @@ pub struct Clustering {
     places: Vec<ElementPlace>,
     weights: Vec<f64>,
     used: Vec<bool>,
+    /// What elements of different kinds must not share, 4 bits of it; empty: all are of one kind.
+    kinds: Vec<u8>,
     low: Vec3,
     extent: f32,
     signed: bool,
@@ -43,7 +48,7 @@ impl Clustering {
         let used = weights.iter().map(|w| *w > 0.0).collect();
         let extent = (scene.bounds.hi - scene.bounds.lo).max_element().max(f32::MIN_POSITIVE);
         let signed = elements.settings().sides == Sides::Apart;
-        Self { places, weights, used, low: scene.bounds.lo, extent, signed }
+        Self { places, weights, used, kinds: Vec::new(), low: scene.bounds.lo, extent, signed }
     }
 
     /// Leaves out the elements for which `keep` is false: those that nothing lights, say.
@@ -52,6 +57,13 @@ impl Clustering {
         for (i, used) in self.used.iter_mut().enumerate() {
             *used &= keep(i);
         }
+        self
+    }
+
+    /// Keeps elements of different kinds apart: one of 16 per element.
+    #[must_use]
+    pub fn apart(mut self, kinds: Vec<u8>) -> Self {
+        self.kinds = kinds;
         self
     }
 
@@ -69,11 +81,13 @@ impl Clustering {
         let p = &self.places[i];
         let cell = ((p.position - self.low) / size + shift)
             .to_array()
-            .map(|x| u64::from(x as u32).min((1 << 20) - 1));
+            .map(|x| u64::from(x as u32).min((1 << CELL_BITS) - 1));
         let n = p.normal.to_array();
         let axis = (0..3).fold(0, |best, k| if n[k].abs() > n[best].abs() { k } else { best });
         let side = u64::from(signed && n[axis] < 0.0);
-        ((cell[0] << 40 | cell[1] << 20 | cell[2]) << 3) | (axis as u64) << 1 | side
+        let kind = u64::from(self.kinds.get(i).copied().unwrap_or(0) & 15);
+        let place = cell[0] << (2 * CELL_BITS) | cell[1] << CELL_BITS | cell[2];
+        place << LIKE_BITS | kind << 3 | (axis as u64) << 1 | side
     }
 
     /// Elements in the order of their cells, each with its cell's key: voxels of edge `size` \[m\] shifted by `shift` (in voxels), and the axis nearest
@@ -123,16 +137,16 @@ impl Clustering {
         self.join_small(best)
     }
 
-    /// Joins clusters of less than [`SMALL`] of the mean area to the nearest one that is larger and faces alike.
+    /// Joins clusters of less than [`SMALL`] of the mean area to the nearest one that is larger, faces alike and is of the same kind.
     fn join_small(&self, mut clusters: Clusters) -> Clusters {
         let mut area = alloc::vec![0.0_f64; clusters.count];
         let mut centre = alloc::vec![Vec3::ZERO; clusters.count];
-        let mut axis = alloc::vec![0_u64; clusters.count];
+        let mut like = alloc::vec![0_u64; clusters.count];
         for (i, c) in clusters.of.iter().enumerate().filter(|(_, c)| **c != NO_CLUSTER) {
             let c = *c as usize;
             area[c] += self.weights[i];
             centre[c] += self.places[i].position * self.weights[i] as f32;
-            axis[c] = self.key(i, clusters.size, Vec3::ZERO, self.signed) & 7;
+            like[c] = self.key(i, clusters.size, Vec3::ZERO, self.signed) & ((1 << LIKE_BITS) - 1);
         }
         let least = SMALL * area.iter().sum::<f64>() / clusters.count.max(1) as f64;
         for (c, a) in centre.iter_mut().zip(&area) {
@@ -141,7 +155,7 @@ impl Clustering {
         let host = |c: usize| {
             let apart = |o: usize| (centre[o] - centre[c]).dot(centre[o] - centre[c]);
             let nearest = (0..clusters.count)
-                .filter(|o| area[*o] >= least && axis[*o] == axis[c])
+                .filter(|o| area[*o] >= least && like[*o] == like[c])
                 .min_by(|a, b| apart(*a).total_cmp(&apart(*b)));
             if area[c] < least { nearest.unwrap_or(c) } else { c }
         };

@@ -5,12 +5,12 @@
 
 use super::rays::side_of;
 use crate::bsdf::diffuse;
-use crate::geometry::{Intersector, Ray, offset_origin};
-use crate::illumination::Elements;
+use crate::geometry::{Intersector, Ray, SurfacePoint, offset_origin};
+use crate::illumination::{ElementPlace, Elements};
 use crate::light::emit;
-use crate::math::Vec3;
+use crate::math::{self, Vec3};
 use crate::sampling::numbers::Numbers;
-use crate::scene::CompiledScene;
+use crate::scene::{CompiledScene, NO_INDEX};
 use crate::transport::surface_at;
 
 /// Hits of a walk.
@@ -56,6 +56,28 @@ fn start(scene: &CompiledScene, from: From, numbers: &Numbers) -> Option<Ray> {
         }
         (None, None) => None,
     }
+}
+
+/// Kind of an element for its patch: what emits is apart from what does not, and what lies right before another surface (nearer than `near` along its normal), as the wall behind a
+/// picture does, from what can be seen. In one patch each would send the other's light.
+#[inline(always)]
+pub fn kind<I: Intersector + ?Sized>(
+    scene: &CompiledScene,
+    intersector: &I,
+    elements: &Elements,
+    (element, place): (u32, &ElementPlace),
+    near: f32,
+) -> u8 {
+    let owners = elements.owners();
+    let primitive = owners.get(element as usize % owners.len().max(1)).copied().unwrap_or(NO_INDEX);
+    let Some(record) = scene.surfaces.get(primitive as usize) else { return 0 };
+    let light =
+        if elements.is_back(element) || record.light == NO_INDEX { 0 } else { 1 + (record.light % 7) as u8 };
+    let point =
+        SurfacePoint { position: place.position, extent: 2.0 * math::sqrt(elements.area(element as usize)) };
+    let origin = offset_origin(&point, place.normal, place.normal);
+    let covered = intersector.occluded(&Ray { origin, direction: place.normal, t_max: near });
+    light << 1 | u8::from(covered)
 }
 
 /// One walk: `mark` gets each element side that it meets. True where it leaves the scene.

@@ -8,13 +8,15 @@
 use super::RelightError;
 use alloc::vec::Vec;
 
+/// What the square of the relative error of the total counts beside that of irradiance.
+const TOTAL: f64 = 4.0;
 /// Share of the mean diagonal that draws weights to 1 where the changes do not tell.
 const DRAW: f64 = 1e-9;
 
 /// Weights for so many passes, from lights (direct irradiance per patch) and their exact indirect irradiance. `relight` gives the indirect irradiance of a light after
 /// a number of passes, none of them weighted.
 ///
-/// What they make least is the mean over lights of squares of the relative error, by area, and of the relative error of the total.
+/// What they make least is the mean over lights of squares of the relative error, by area, and of the relative error of the total, the latter times [`TOTAL`].
 ///
 /// # Errors
 /// Of `relight`; a light that has another number of patches than there are areas.
@@ -62,9 +64,9 @@ pub fn fit<E: From<RelightError>>(
         }
         if squares > 0.0 && total > 0.0 {
             for a in 0..k {
-                right[a] += r[a] / squares + sums[a] * sums[k] / (total * total);
+                right[a] += r[a] / squares + TOTAL * sums[a] * sums[k] / (total * total);
                 for b in 0..k {
-                    matrix[a * k + b] += m[a * k + b] / squares + sums[a] * sums[b] / (total * total);
+                    matrix[a * k + b] += m[a * k + b] / squares + TOTAL * sums[a] * sums[b] / (total * total);
                 }
             }
         }
