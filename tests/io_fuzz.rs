@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use etendue::io::{
-    MemorySource, parse_exr, parse_mesh_scene, parse_mtl, parse_obj, parse_ply, parse_points,
+    MemorySource, parse_exr, parse_mesh_scene, parse_mtl, parse_obj, parse_operator, parse_ply, parse_points,
     parse_scene_toml, parse_texture,
 };
 use proptest::prelude::*;
@@ -31,6 +31,7 @@ fn read_all(bytes: &[u8]) {
     let _ = parse_ply(bytes, file);
     let _ = parse_points(bytes, file);
     let _ = parse_exr(bytes, file);
+    let _ = parse_operator(bytes, file);
     let _ = parse_texture(bytes, "t", file);
     let _ = parse_mesh_scene(file, &source);
     let _ = parse_scene_toml(&String::from_utf8_lossy(bytes), Path::new("s.toml"), &source);
@@ -129,7 +130,9 @@ fn binary() -> Vec<Vec<u8>> {
     let png = std::fs::read(&path).unwrap();
     etendue::io::write_ply(&path, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]], &[], &[])
         .unwrap();
-    vec![exr, png, std::fs::read(&path).unwrap()]
+    let ply = std::fs::read(&path).unwrap();
+    let operator = std::fs::read("fuzz/seeds/operator_file/tiny.etd").unwrap();
+    vec![exr, png, ply, operator]
 }
 
 proptest! {
@@ -156,7 +159,7 @@ proptest! {
 
     #[test]
     fn mutated_binary_files_do_no_harm(
-        which in 0usize..3,
+        which in 0usize..4,
         edits in prop::collection::vec(edit(), 1..6),
     ) {
         static SEEDS: std::sync::OnceLock<Vec<Vec<u8>>> = std::sync::OnceLock::new();

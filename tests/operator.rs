@@ -8,13 +8,14 @@ use common::root;
 use etendue::core::backend::{Probe, Session};
 use etendue::core::radiosity::patches::PatchSettings;
 use etendue::core::radiosity::relight::Workspace;
-use etendue::core::scene::{SceneDesc, compile};
+use etendue::core::scene::{LightDesc, SceneDesc, compile};
 use etendue::cpu::{CpuBackend, CpuSession};
 use etendue::driver::radiosity::{
     BakeSettings, Baked, Codec, RadiosityView, bake, map_probes, patch_light, radiosity_map, relight,
 };
-use etendue::driver::{self, Budget, Settings, Silent};
-use etendue::io::load_scene;
+use etendue::driver::{self, Budget, OpenError, Settings, Silent, open_operator, operator_file};
+use etendue::io::{encode_operator, load_scene, parse_operator};
+use std::path::Path;
 use std::sync::Arc;
 
 fn load(file: &str) -> SceneDesc {
@@ -76,4 +77,58 @@ fn probes_from_an_operator_agree_with_paths() {
             assert!((x[c] / y[c] - 1.0).abs() < 0.03, "probe {i}: {x:?} from the operator, {y:?} by paths");
         }
     }
+}
+
+#[test]
+fn a_file_brings_the_operator_back() {
+    let desc = load("cornell/closed.toml");
+    let session = open(&desc);
+    let settings = BakeSettings {
+        patches: PatchSettings { count: 300, seed: 3 },
+        rays: 256,
+        codec: Codec::Auto { max_error: 0.05 },
+    };
+    let made = bake(&session, &settings, &Silent).unwrap();
+    let file = operator_file(&made, &settings, session.scene());
+    let bytes = encode_operator(&file, Path::new("a.etd")).unwrap();
+    let back = || parse_operator(&bytes, Path::new("a.etd")).unwrap();
+    assert_eq!(back(), file);
+
+    // Another session, and other lights.
+    let mut lit = desc.clone();
+    lit.camera = None;
+    lit.lights = vec![
+        LightDesc::Point { position: [2.0, 3.0, 1.0], intensity: [9.0, 5.0, 1.0] };
+        lit.lights.len() + 1
+    ];
+    for desc in [&desc, &lit] {
+        let session = open(desc);
+        let operator = open_operator(back(), &session).unwrap();
+        assert_eq!(operator.relighter, made.operator.relighter);
+        assert_eq!(operator.map.patches, made.operator.map.patches);
+        assert_eq!(operator.map.elements, made.operator.map.elements);
+        assert_eq!(operator.escaped, made.operator.escaped);
+        let light = |operator| {
+            let light = patch_light(&session, operator, 1, &Silent).unwrap();
+            relight(&session, operator, &light, PASSES, &mut Workspace::default()).unwrap()
+        };
+        let found = light(&operator);
+        assert_eq!(found, light(&made.operator));
+        assert!(found.iter().any(|e| e[0] > 0.0));
+    }
+
+    let mut moved = desc.clone();
+    moved.meshes[0].positions[0][0] += 1e-3;
+    let other = open(&moved);
+    assert!(matches!(open_operator(back(), &other), Err(OpenError::OtherScene { .. })));
+    let mut wrong = back();
+    wrong.info.elements.largest *= 0.5;
+    assert!(matches!(open_operator(wrong, &session), Err(OpenError::Elements { .. })));
+    let mut wrong = back();
+    wrong.patches[5].albedo[0] *= 0.5;
+    assert_eq!(open_operator(wrong, &session).unwrap_err(), OpenError::Patch { patch: 5 });
+    let mut wrong = back();
+    let (a, b) = (wrong.of.iter().position(|p| *p == 0), wrong.of.iter().position(|p| *p == 1));
+    wrong.of.swap(a.unwrap(), b.unwrap());
+    assert!(matches!(open_operator(wrong, &session), Err(OpenError::Patch { patch: 0 | 1 })));
 }

@@ -7,6 +7,7 @@ mod emission;
 mod kernels;
 mod linear_triangle;
 mod log_offset;
+mod operator_file;
 mod parsers;
 mod polynomial;
 mod subdivide;
@@ -16,6 +17,7 @@ pub use emission::emission;
 pub use kernels::{discrete, geometry, warps};
 pub use linear_triangle::linear_triangle;
 pub use log_offset::log_offset;
+pub use operator_file::operator_file;
 pub use parsers::{exr, mtl, obj, ply, points, scene};
 pub use polynomial::polynomial;
 pub use subdivide::subdivide;
@@ -24,13 +26,14 @@ pub use subdivide::subdivide;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets, by the name of their binary and of their folder in `seeds`.
-pub const TARGETS: [Target; 15] = [
+pub const TARGETS: [Target; 16] = [
     ("scene", scene),
     ("obj", obj),
     ("mtl", mtl),
     ("ply", ply),
     ("exr", exr),
     ("points", points),
+    ("operator_file", operator_file),
     ("discrete", discrete),
     ("geometry", geometry),
     ("warps", warps),

@@ -7,6 +7,8 @@
 #![allow(clippy::disallowed_methods, reason = "estimates of error for people, in f64: no kernel")]
 
 mod map;
+#[cfg(feature = "io")]
+mod operator_file;
 mod photon;
 pub mod radiosity;
 
@@ -17,6 +19,8 @@ use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
 pub use map::MapValues;
+#[cfg(feature = "io")]
+pub use operator_file::{OpenError, open_operator, operator_file};
 pub use photon::{
     GatherSettings, PhotonSettings, choose_start, direct_irradiance, element_size, illumination,
     photon_image, photon_probes, photons_per_block, photons_per_replicate,

@@ -27,6 +27,15 @@ pub enum Problem {
     },
     /// Well-formed, and not supported by this version.
     Unsupported(String),
+    /// Not what was written: cut short or changed since.
+    Damaged(String),
+    /// Of a version that did not exist when this program was made.
+    Newer {
+        /// Version of the file.
+        found: u32,
+        /// Newest version that is read.
+        known: u32,
+    },
     /// A library that decodes a format refused the bytes.
     Decode {
         /// The format.
@@ -45,6 +54,10 @@ impl fmt::Display for Problem {
                 write!(f, "found {found} {what}, expected at most {limit}")
             }
             Self::Unsupported(what) => write!(f, "{what} is not supported by this version"),
+            Self::Damaged(how) => write!(f, "is damaged: {how}"),
+            Self::Newer { found, known } => {
+                write!(f, "was written by a newer version: file version {found}, this program reads {known}")
+            }
             Self::Decode { format, message } => write!(f, "is not a readable {format} file: {message}"),
         }
     }

@@ -1,9 +1,11 @@
-//! Files in and out: scenes, meshes, bitmaps, images and probe lists. No light transport happens here.
+//! Files in and out: scenes, meshes, bitmaps, images, probe lists and operators. No light transport happens here.
 //!
 //! - [`load_scene`] reads a TOML scene file, or a bare `.obj` or `.ply` mesh, into a
 //!   [`SceneDesc`](etendue_core::scene::SceneDesc) and the [`Note`]s worth telling.
 //! - [`read_exr`] and [`write_exr`] move images; [`write_png`] and [`read_mask`] move 8-bit ones.
 //! - [`read_points`] and [`write_points`] move lists of surface points.
+//! - [`read_operator`] and [`write_operator`] move baked operators; [`transport_hash`] says whether a scene is theirs.
+//! - [`write_ktx2`] writes blocks of textures for a GPU.
 //! - [`write_ply`] writes a mesh with numbers per vertex and per face.
 //!
 //! Input is not trusted: whatever the bytes, a reader returns a value or a [`LoadError`] that names the
@@ -18,9 +20,12 @@ mod bitmap;
 mod error;
 mod exr;
 mod frame;
+mod hash;
+mod ktx2;
 mod mesh;
 mod mtl;
 mod obj;
+mod operator;
 mod ply;
 mod points;
 mod polygon;
@@ -32,8 +37,13 @@ mod toml_view;
 pub use bitmap::{Mask, parse_texture, read_mask, read_png, write_png};
 pub use error::{LoadError, Note, Problem, SaveError};
 pub use exr::{RenderImage, parse_exr, read_exr, write_exr};
+pub use hash::transport_hash;
+pub use ktx2::{BlockFormat, encode_ktx2, write_ktx2};
 pub use mtl::{Mtl, MtlMap, MtlMaterial, parse_mtl};
 pub use obj::{Obj, parse_obj};
+pub use operator::{
+    OperatorFile, OperatorInfo, Transport, encode_operator, parse_operator, read_operator, write_operator,
+};
 pub use ply::{parse_ply, write_ply};
 pub use points::{Probe, parse_points, read_points, write_points};
 pub use scene::{LoadedScene, load_scene, parse_mesh_scene, parse_scene_toml};

@@ -40,6 +40,20 @@ pub struct Coarse {
     rates: Rates,
 }
 
+/// Areas of the clusters \[m^2\].
+fn sums(areas: &[f32]) -> Vec<f64> {
+    areas.chunks(SIDE).map(|a| a.iter().map(|a| f64::from(*a)).sum()).collect()
+}
+
+/// Share of each patch in its cluster.
+fn shares(areas: &[f32], sums: &[f64]) -> Vec<[f32; SIDE]> {
+    areas
+        .chunks(SIDE)
+        .zip(sums)
+        .map(|(a, sum)| core::array::from_fn(|k| a.get(k).map_or(0.0, |a| (f64::from(*a) / sum) as f32)))
+        .collect()
+}
+
 /// Room for products.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Room {
@@ -59,12 +73,8 @@ impl Coarse {
         rates: Rates,
     ) -> Result<Self, RelightError> {
         let m = tile_rows(areas.len());
-        let sums: Vec<f64> = areas.chunks(SIDE).map(|a| a.iter().map(|a| f64::from(*a)).sum()).collect();
-        let shares: Vec<[f32; SIDE]> = areas
-            .chunks(SIDE)
-            .zip(&sums)
-            .map(|(a, sum)| core::array::from_fn(|k| a.get(k).map_or(0.0, |a| (f64::from(*a) / sum) as f32)))
-            .collect();
+        let sums = sums(areas);
+        let shares = shares(areas, &sums);
         let flux = |i: usize, j: usize| half[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
         let entries: Vec<f32> = (0..m * m).map(|k| (flux(k / m, k % m) / sums[k / m]) as f32).collect();
         let form_factors = Dense::try_new(m, entries)?;
@@ -86,13 +96,28 @@ impl Coarse {
             };
             tiles.push(encode(m, rates, symmetric)?);
         }
-        let blocks = |f: &dyn Fn(f64) -> f64| super::blocks(roots.iter().map(|r| f(*r) as f32));
-        let (into, out) = (blocks(&|r| r), blocks(&|r| 1.0 / r));
         let tiles: [Tiles; 3] = match tiles.try_into() {
             Ok(tiles) => tiles,
             Err(_) => return Err(RelightError::WrongLength { slice: "channels", found: 0, expected: 3 }),
         };
-        Ok(Self { tiles, shares, into, out, rates })
+        Self::from_tiles(tiles, areas, rates)
+    }
+
+    /// From tiles of Ac^1/2 Gc Ac^-1/2 per channel, as a file has them, and areas of the patches.
+    pub(super) fn from_tiles(tiles: [Tiles; 3], areas: &[f32], rates: Rates) -> Result<Self, RelightError> {
+        for tiles in &tiles {
+            super::check_len("clusters", tiles.len(), tile_rows(areas.len()))?;
+        }
+        let sums = sums(areas);
+        let roots: Vec<f64> = sums.iter().map(|a| math::sqrt64(*a)).collect();
+        let blocks = |f: &dyn Fn(f64) -> f64| super::blocks(roots.iter().map(|r| f(*r) as f32));
+        let (into, out) = (blocks(&|r| r), blocks(&|r| 1.0 / r));
+        Ok(Self { tiles, shares: shares(areas, &sums), into, out, rates })
+    }
+
+    /// The inverse of each channel, as a file has it.
+    pub fn tiles(&self) -> &[Tiles; 3] {
+        &self.tiles
     }
 
     /// The same in tiles of other rates.

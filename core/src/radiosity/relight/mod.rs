@@ -320,6 +320,15 @@ impl Relighter {
         Ok(self)
     }
 
+    /// With a second level that was made before, from [`Coarse::tiles`] and [`Coarse::rates`].
+    ///
+    /// # Errors
+    /// When the tiles are not of as many clusters as there are.
+    pub fn with_coarse_tiles(mut self, tiles: [Tiles; 3], rates: Rates) -> Result<Self, RelightError> {
+        self.coarse = Some(Coarse::from_tiles(tiles, &self.areas, rates)?);
+        Ok(self)
+    }
+
     /// A F between runs of eight patches \[m^2\], as the tiles have it: lower half, packed.
     fn clusters(&self) -> Vec<f64> {
         let m = tile_rows(self.len());

@@ -203,3 +203,31 @@ fn any_number_of_patches_works_and_wrong_numbers_are_refused() {
         assert!(Relighter::encode(&f, &vec![[1.5; 3]; n], Rates::Uniform(Kind::F32)).is_err());
     }
 }
+
+#[test]
+fn its_parts_make_it_again() {
+    for n in [1, 8, 9, 65, 130] {
+        for rates in
+            [Rates::Uniform(Kind::Bits8), Rates::Uniform(Kind::F32), Rates::Cheapest { lambda: 1e-5 }]
+        {
+            let f = form_factors(n, 0.9);
+            let made = Relighter::encode(&f, &albedo(n, 0.7), Rates::Cheapest { lambda: 1e-4 }).unwrap();
+            let made = made.with_coarse(&polynomial::Portable, rates).unwrap();
+            let copy = |t: &Tiles| Tiles::try_new(t.len(), t.kinds().to_vec(), t.payload().to_vec()).unwrap();
+            let parts = || {
+                let (areas, factors) = (made.areas().to_vec(), made.factors().to_vec());
+                Relighter::new(copy(made.tiles()), areas, factors, &made.albedo_list()).unwrap()
+            };
+            let coarse = made.coarse().unwrap();
+            let again =
+                parts().with_coarse_tiles(coarse.tiles().each_ref().map(copy), coarse.rates()).unwrap();
+            assert_eq!(again, made, "{n} {rates:?}");
+            let other = encode(tile_rows(n) + 1, rates, |_, _| 0.0).unwrap();
+            let wrong = [other.clone(), copy(&coarse.tiles()[1]), other];
+            assert!(matches!(
+                parts().with_coarse_tiles(wrong, rates),
+                Err(RelightError::WrongLength { slice: "clusters", .. })
+            ));
+        }
+    }
+}

@@ -258,7 +258,13 @@ impl Tiles {
                 let (bytes, rest) = payload.split_at(kind.bytes());
                 payload = rest;
                 let bad = |x: &f32| !x.is_finite() || x.is_sign_negative();
-                if kind != Kind::Empty && decode(kind, bytes).as_flattened().iter().any(bad) {
+                // Decoding takes the root of a scale, which makes a number even of what is none.
+                let scale = match (kind, bytes.first_chunk()) {
+                    (Kind::F16 | Kind::F32, _) | (_, None) => 0.0,
+                    (_, Some(scale)) => encode::scale_of(u16::from_le_bytes(*scale)),
+                };
+                if kind != Kind::Empty && (bad(&scale) || decode(kind, bytes).as_flattened().iter().any(bad))
+                {
                     return Err(TileError::BadValue { row, column });
                 }
             }

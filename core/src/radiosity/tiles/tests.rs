@@ -164,3 +164,16 @@ fn each_entry_is_visited_once() {
         }
     }
 }
+
+#[test]
+fn scales_that_are_no_numbers_are_refused() {
+    for kind in &Kind::ALL[1..8] {
+        let good = encode(8, Rates::Uniform(*kind), |_, _| 0.5).unwrap();
+        for scale in [0x7f80_u16, 0x7fc0, 0x8000, 0xbf80, 0xffff] {
+            let mut payload = good.payload().to_vec();
+            payload[..2].copy_from_slice(&scale.to_le_bytes());
+            let bad = Tiles::try_new(8, good.kinds().to_vec(), payload);
+            assert_eq!(bad, Err(TileError::BadValue { row: 0, column: 0 }), "{kind:?} {scale:#x}");
+        }
+    }
+}
