@@ -28,8 +28,13 @@ fn open(desc: &SceneDesc) -> CpuSession {
 }
 
 fn baked(session: &dyn Session, count: u32, codec: Codec) -> Baked {
-    let settings =
-        BakeSettings { patches: PatchSettings { count, seed: 3 }, rays: 1024, codec, passes: None };
+    let settings = BakeSettings {
+        patches: PatchSettings { count, seed: 3 },
+        rays: 1024,
+        codec,
+        passes: None,
+        bounces: None,
+    };
     bake(session, &settings, &Silent).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -87,6 +92,8 @@ fn a_file_brings_the_operator_back() {
         patches: PatchSettings { count: 300, seed: 3 },
         rays: 256,
         codec: Codec::Auto { max_error: 0.05 },
+        passes: None,
+        bounces: None,
     };
     let made = bake(&session, &settings, &Silent).unwrap();
     let file = operator_file(&made, &settings, session.scene());
@@ -110,7 +117,7 @@ fn a_file_brings_the_operator_back() {
         assert_eq!(operator.escaped, made.operator.escaped);
         let light = |operator| {
             let light = patch_light(&session, operator, 1, &Silent).unwrap();
-            relight(&session, operator, &light, PASSES, &mut Workspace::default()).unwrap()
+            relight(&session, operator, &light, &mut Workspace::default()).unwrap()
         };
         let found = light(&operator);
         assert_eq!(found, light(&made.operator));

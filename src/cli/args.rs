@@ -38,7 +38,7 @@ pub(super) enum Method {
     Bdpt,
     /// Maps of photons, read or gathered by tracing back from the sensor
     Photon,
-    /// The radiosity operator (not in this version)
+    /// The radiosity operator: light between patches, baked once; diffuse triangles only
     Radiosity,
 }
 
@@ -80,11 +80,11 @@ impl SamplingArgs {
     /// Refuses methods that this version does not have.
     pub(super) fn check_method(&self) -> Result<(), CliError> {
         match self.method {
-            None | Some(Method::Path | Method::Photon) => Ok(()),
+            None | Some(Method::Path | Method::Photon | Method::Radiosity) => Ok(()),
             Some(other) => {
                 let name = other.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default();
                 Err(CliError::Usage(format!(
-                    "method `{name}` is not in this version, expected `path` or `photon`"
+                    "method `{name}` is not in this version, expected `path`, `photon` or `radiosity`"
                 )))
             }
         }

@@ -1,5 +1,7 @@
 //! Errors of the command and their exit codes.
 
+use crate::driver::OpenError;
+use crate::driver::radiosity::BakeError;
 use crate::io::{LoadError, SaveError};
 use crate::metrics::MetricsError;
 use etendue_core::backend::BackendError;
@@ -27,6 +29,10 @@ pub(super) enum CliError {
     #[error("{0}")]
     Backend(#[from] BackendError),
     #[error("{0}")]
+    Bake(#[from] BakeError),
+    #[error("{file}: {error}")]
+    Operator { file: String, error: OpenError },
+    #[error("{0}")]
     Save(#[from] SaveError),
     #[error("{file}: its folder does not exist")]
     NoFolder { file: String },
@@ -42,15 +48,21 @@ impl CliError {
     pub(super) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Load(_) | Self::Scene { .. } | Self::Metrics(_) | Self::Input(_) => INPUT,
+            Self::Operator { .. } => INPUT,
+            Self::Bake(BakeError::Backend(e)) | Self::Backend(e) => backend_code(e),
+            Self::Bake(_) => INPUT,
             Self::Usage(_) => USAGE,
             Self::Save(_) | Self::NoFolder { .. } => RESOURCE,
-            Self::Backend(e) => match e {
-                BackendError::Unsupported { .. }
-                | BackendError::NoAdapter { .. }
-                | BackendError::LimitExceeded { .. } => RESOURCE,
-                BackendError::BadJob { .. } => USAGE,
-                _ => INPUT,
-            },
         })
+    }
+}
+
+fn backend_code(e: &BackendError) -> u8 {
+    match e {
+        BackendError::Unsupported { .. }
+        | BackendError::NoAdapter { .. }
+        | BackendError::LimitExceeded { .. } => RESOURCE,
+        BackendError::BadJob { .. } => USAGE,
+        _ => INPUT,
     }
 }

@@ -1,9 +1,11 @@
-//! Options of images and probes from maps of photons, and the choice between that and path tracing.
+//! The choice of the estimator of images and probes: paths, maps of photons, or an operator; and the options of the latter two.
 
 use super::args::{Method, SamplingArgs};
 use super::error::CliError;
+use super::job::Stages;
 use super::photon_args::PhotonArgs;
-use crate::driver::{self, Budget, GatherSettings, Outcome, Settings};
+use super::radiosity_args::{RadiosityArgs, Ready};
+use crate::driver::{self, Budget, GatherSettings, Outcome, Settings, Watcher};
 use clap::Args;
 use etendue_core::backend::{GatherJob, Session};
 use etendue_core::illumination::Sides;
@@ -19,19 +21,22 @@ pub(super) struct GatherArgs {
     /// Photons of all blocks of samples together, each block having a map of its own; rounded up to a power of two a block [default: 1048576; with --time or --error 65536 a block]
     #[arg(long, value_name = "N", conflicts_with_all = ["time", "error"], value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     photons: Option<u64>,
-    /// Whether the first diffuse surface gathers its light by one bounce of rays: smooth, and the map's elements are seen at second hand alone. Without it the map is read where the
+    /// With photons or radiosity: whether the first diffuse surface gathers its light by one bounce of rays: smooth, and the map's elements are seen at second hand alone. Without it the map is read where the
     /// eye looks, elements and all, and the noise is the map's [default: render false, probe true]
     #[arg(long, value_name = "true|false", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     gather: Option<bool>,
     #[command(flatten)]
     photon: PhotonArgs,
+    #[command(flatten)]
+    radiosity: RadiosityArgs,
 }
 
 /// The estimator of a job, with what it needs to know.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(super) enum Estimator {
     Path,
     Photon(GatherSettings),
+    Radiosity(Box<Ready>),
 }
 
 impl GatherArgs {
@@ -44,9 +49,18 @@ impl GatherArgs {
         sampling: &SamplingArgs,
         session: &dyn Session,
         gather: bool,
+        (watcher, stages): (&dyn Watcher, &mut Stages),
     ) -> Result<Estimator, CliError> {
-        if sampling.method != Some(Method::Photon) {
-            return Ok(Estimator::Path);
+        let gather = self.gather.unwrap_or(gather);
+        match sampling.method {
+            Some(Method::Radiosity) => {
+                let choice = (sampling.seed, gather);
+                return Ok(Estimator::Radiosity(Box::new(
+                    self.radiosity.ready(session, choice, watcher, stages)?,
+                )));
+            }
+            Some(Method::Photon) => {}
+            _ => return Ok(Estimator::Path),
         }
         let scene = session.scene();
         if sampling.max_depth.is_some() && GatherJob::ways_differ(scene) {
@@ -59,23 +73,35 @@ impl GatherArgs {
         if !photons.elements.largest.is_finite() {
             photons.elements.largest = driver::element_size(scene);
         }
-        Ok(Estimator::Photon(GatherSettings { photons, count, gather: self.gather.unwrap_or(gather) }))
+        Ok(Estimator::Photon(GatherSettings { photons, count, gather }))
     }
 
-    /// Refuses options that only photons have.
+    /// Refuses options that only another estimator has.
     ///
     /// # Errors
     /// [`CliError::Usage`] with the option.
     pub(super) fn check(&self, sampling: &SamplingArgs) -> Result<(), CliError> {
-        if sampling.method == Some(Method::Photon) {
-            return Ok(());
-        }
-        let given = match (self.photons, self.gather) {
-            (Some(_), _) => Some("--photons"),
-            (_, Some(_)) => Some("--gather"),
-            _ => self.photon.given(),
+        let photon = self.photons.map(|_| "--photons").or(self.photon.given());
+        let radiosity = self.radiosity.given();
+        let refuse = |name: Option<&str>, method: &str| {
+            name.map_or(Ok(()), |name| Err(CliError::Usage(format!("{name} needs --method {method}"))))
         };
-        given.map_or(Ok(()), |name| Err(CliError::Usage(format!("{name} needs --method photon"))))
+        match sampling.method {
+            Some(Method::Photon) => refuse(radiosity, "radiosity"),
+            Some(Method::Radiosity) => {
+                refuse(photon, "photon")?;
+                if sampling.max_depth.is_some() {
+                    let text = "--max-depth has no use with --method radiosity, expected --bounces K";
+                    return Err(CliError::Usage(text.into()));
+                }
+                self.radiosity.check()
+            }
+            _ => {
+                refuse(photon, "photon")?;
+                refuse(self.gather.map(|_| "--gather"), "photon or radiosity")?;
+                refuse(radiosity, "radiosity")
+            }
+        }
     }
 
     /// Adds what decides the bits.
@@ -88,6 +114,9 @@ impl GatherArgs {
             self.photon.describe(&gather.photons.start, map);
             map.insert("element_size".into(), json!(gather.photons.elements.largest));
         }
+        if let Estimator::Radiosity(ready) = estimator {
+            ready.describe(map);
+        }
     }
 }
 
@@ -96,6 +125,7 @@ impl Estimator {
         match self {
             Self::Path => "path",
             Self::Photon(_) => "photon",
+            Self::Radiosity(_) => "radiosity",
         }
     }
 
@@ -109,6 +139,9 @@ impl Estimator {
 
     /// For people.
     pub(super) fn words(&self, outcome: &Outcome, settings: &Settings) -> String {
+        if let Self::Radiosity(ready) = self {
+            return ready.words();
+        }
         match self.photons(outcome, settings) {
             Some((photons, hits)) => {
                 let each = hits as f64 / photons.max(1) as f64;

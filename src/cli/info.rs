@@ -1,9 +1,10 @@
-//! `etendue info`: what a scene contains and needs.
+//! `etendue info`: what a scene contains and needs, or what an operator is.
 
 use super::args::TalkArgs;
 use super::error::CliError;
 use super::job::{Stages, read_scene};
 use super::output::scene_hash;
+use crate::io::read_operator;
 use etendue_core::scene::{CompileReport, CompiledScene, LightKind};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -12,7 +13,7 @@ use std::process::ExitCode;
 /// Options of `info`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The scene: .toml, .obj or .ply
+    /// The scene (.toml, .obj or .ply), or an operator (.etd)
     scene: PathBuf,
     #[command(flatten)]
     talk: TalkArgs,
@@ -30,6 +31,9 @@ const LIGHT_KINDS: [(LightKind, &str); 7] = [
 
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
+    if args.scene.extension().is_some_and(|e| e == "etd") {
+        return operator(args);
+    }
     let mut stages = Stages::new();
     let (scene, report) = read_scene(&args.scene, None, &args.talk, &mut stages)?;
     if args.talk.json {
@@ -38,6 +42,72 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         print(&scene, &stages);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What an operator file says of itself.
+fn operator(args: &Args) -> Result<ExitCode, CliError> {
+    let mut stages = Stages::new();
+    let file = read_operator(&args.scene)?;
+    stages.done("read");
+    let n = file.patches.len();
+    let area: f64 = file.patches.iter().map(|p| f64::from(p.area)).sum();
+    let per_pair = file.transport.bytes() as f64 / (n as f64 * n as f64);
+    let (info, e) = (&file.info, file.info.error);
+    let hash = info.transport_hash.iter().map(|b| format!("{b:02x}")).collect::<String>();
+    if args.talk.json {
+        println!(
+            "{}",
+            json!({
+                "version": info.program,
+                "transport_hash": hash,
+                "patches": n,
+                "area": area,
+                "elements": file.of.len(),
+                "codec": info.codec,
+                "max_error": info.max_error,
+                "codec_error": { "rms": e.rms, "worst": e.worst, "energy": e.energy },
+                "passes": info.passes,
+                "bounces": info.bounces,
+                "bytes_per_pair": per_pair,
+                "rays": info.rays,
+                "seed": info.seed,
+                "seconds": stages.json(),
+            })
+        );
+    } else if !args.talk.quiet {
+        let line = |name: &str, text: String| println!("{name:>10}  {text}");
+        line("patches", format!("{n} of {} elements, {area:.6} m^2", file.of.len()));
+        line("scene", hash);
+        let bounces = info.bounces.map_or_else(|| "all bounces".into(), |k| format!("{k} bounces"));
+        line(
+            "light",
+            format!("{bounces} in {} passes, from {} rays, seed {}", info.passes, info.rays, info.seed),
+        );
+        line("codec", format!("{}, {per_pair:.4} bytes a pair", info.codec));
+        line(
+            "error",
+            format!(
+                "{:.3} % of irradiance over probe lights, {:.3} % of the worst, {:.3} % of its total",
+                100.0 * e.rms,
+                100.0 * e.worst,
+                100.0 * e.energy
+            ),
+        );
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The methods that have all that a scene needs.
+fn methods(scene: &CompiledScene) -> Vec<&'static str> {
+    let n = &scene.needs;
+    if n.beyond_surfaces().is_some() {
+        return Vec::new();
+    }
+    let mut list = vec!["path", "photon"];
+    if !(n.mirrors || n.glossy || n.round_shapes) {
+        list.push("radiosity");
+    }
+    list
 }
 
 fn lights(scene: &CompiledScene) -> Vec<(&'static str, usize)> {
@@ -85,7 +155,7 @@ fn describe(scene: &CompiledScene, report: &CompileReport, stages: &Stages) -> V
             "null_boundaries": n.null_boundaries,
             "unsupported": n.unsupported,
         },
-        "methods": if n.beyond_surfaces().is_none() { vec!["path", "photon"] } else { vec![] },
+        "methods": methods(scene),
         "cleanups": cleanups,
         "seconds": stages.json(),
     })
@@ -121,7 +191,7 @@ fn print(scene: &CompiledScene, stages: &Stages) {
     );
     line("needs", scene.needs.to_string());
     match scene.needs.beyond_surfaces() {
-        None => line("methods", "path, photon".into()),
+        None => line("methods", methods(scene).join(", ")),
         Some(missing) => line("methods", format!("none in this version: the scene has {missing}")),
     }
     line("read in", stages.text());

@@ -34,6 +34,12 @@ impl Stages {
         self.last = now;
     }
 
+    /// Stages that ended meanwhile, by their own clock.
+    pub(super) fn add(&mut self, list: &[(&'static str, f64)]) {
+        self.list.extend(list);
+        self.last = Instant::now();
+    }
+
     pub(super) fn json(&self) -> Value {
         let mut map = Map::new();
         map.insert("total".into(), json!(self.start.elapsed().as_secs_f64()));
@@ -56,7 +62,26 @@ pub(super) fn read_scene(
     talk: &TalkArgs,
     stages: &mut Stages,
 ) -> Result<(CompiledScene, CompileReport), CliError> {
-    let loaded = load_scene(path)?;
+    read_scene_with(path, None, size, talk, stages)
+}
+
+/// The same, with the lights without size and the environment of another file.
+pub(super) fn read_scene_with(
+    path: &Path,
+    lights: Option<&Path>,
+    size: Option<Size>,
+    talk: &TalkArgs,
+    stages: &mut Stages,
+) -> Result<(CompiledScene, CompileReport), CliError> {
+    let mut loaded = load_scene(path)?;
+    if let Some(lights) = lights {
+        let other = load_scene(lights)?.desc;
+        if !(other.meshes.is_empty() && other.shapes.is_empty()) {
+            let text = format!("{}: found surfaces, expected lights alone", lights.display());
+            return Err(CliError::Input(text));
+        }
+        loaded.desc.lights = other.lights;
+    }
     stages.done("load");
     if !talk.quiet {
         for note in &loaded.notes {

@@ -1,6 +1,8 @@
 //! The command line: one file per verb. No math happens here.
 
 mod args;
+mod bake;
+mod bake_args;
 mod compare;
 mod conformance;
 mod error;
@@ -12,6 +14,8 @@ mod output;
 mod photon_args;
 mod probe;
 mod progress;
+mod radiosity_args;
+mod relight;
 mod render;
 
 use clap::{Parser, Subcommand};
@@ -35,6 +39,10 @@ enum Verb {
     Probe(probe::Args),
     /// Compute an illumination map on the mesh: irradiance per face, with standard errors
     Illuminate(illuminate::Args),
+    /// Bake the light between all surfaces of a scene: once, for any lights to come
+    Bake(bake::Args),
+    /// Relight a baked scene: indirect light of new lights without tracing its bounces
+    Relight(relight::Args),
     /// Compare two images by every metric; exit 1 above a limit
     Compare(compare::Args),
     /// Run the conformance suite on a backend
@@ -54,6 +62,8 @@ pub fn main() -> ExitCode {
         Verb::Render(args) => render::run(args),
         Verb::Probe(args) => probe::run(args),
         Verb::Illuminate(args) => illuminate::run(args),
+        Verb::Bake(args) => bake::run(args),
+        Verb::Relight(args) => relight::run(args),
         Verb::Compare(args) => compare::run(args),
         Verb::Conformance(args) => conformance::run(args),
     };

@@ -6,7 +6,7 @@ use super::gather_args::{Estimator, GatherArgs};
 use super::job::{Stages, open, read_scene, report, summary, warn_about};
 use super::output::check_folder;
 use super::progress::Bar;
-use crate::driver;
+use crate::driver::{self, radiosity};
 use crate::io::{read_points, write_points};
 use etendue_core::backend::Probe;
 use serde_json::json;
@@ -48,13 +48,16 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         points.iter().map(|p| Probe { position: p.position, normal: p.normal }).collect();
     let (scene, _) = read_scene(&args.scene, None, &args.talk, &mut stages)?;
     let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
-    let estimator = args.gather.estimator(&args.sampling, &*opened.session, true)?;
     let settings = args.sampling.settings();
     let bar = Bar::new(&args.talk);
+    let estimator = args.gather.estimator(&args.sampling, &*opened.session, true, (&bar, &mut stages))?;
     let outcome = match &estimator {
         Estimator::Path => driver::probes(&*opened.session, &probes, &settings, &bar)?,
         Estimator::Photon(gather) => {
             driver::photon_probes(&*opened.session, &probes, &settings, gather, &bar)?
+        }
+        Estimator::Radiosity(ready) => {
+            radiosity::map_probes(&*opened.session, &probes, &settings, &ready.view(), &bar)?
         }
     };
     bar.finish();

@@ -6,7 +6,7 @@ use super::gather_args::{Estimator, GatherArgs};
 use super::job::{Stages, open, read_scene, report, summary, warn_about};
 use super::output::{check_folder, image_of, write_image};
 use super::progress::Bar;
-use crate::driver;
+use crate::driver::{self, radiosity};
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -44,12 +44,15 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     let mut stages = Stages::new();
     let (scene, _) = read_scene(&args.scene, args.size, &args.talk, &mut stages)?;
     let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
-    let estimator = args.gather.estimator(&args.sampling, &*opened.session, false)?;
     let settings = args.sampling.settings();
     let bar = Bar::new(&args.talk);
+    let estimator = args.gather.estimator(&args.sampling, &*opened.session, false, (&bar, &mut stages))?;
     let outcome = match &estimator {
         Estimator::Path => driver::image(&*opened.session, &settings, &bar)?,
         Estimator::Photon(gather) => driver::photon_image(&*opened.session, &settings, gather, &bar)?,
+        Estimator::Radiosity(ready) => {
+            radiosity::map_image(&*opened.session, &settings, &ready.view(), &bar)?
+        }
     };
     bar.finish();
     stages.done("sample");

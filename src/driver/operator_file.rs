@@ -52,6 +52,7 @@ pub fn operator_file(baked: &Baked, settings: &BakeSettings, scene: &CompiledSce
     let operator = &baked.operator;
     let (codec, max_error) = match settings.codec {
         Codec::Auto { max_error } => ("auto", Some(max_error)),
+        Codec::Tiles => ("tiles", None),
         Codec::F16 => ("f16", None),
         Codec::F32 => ("f32", None),
     };
@@ -63,7 +64,7 @@ pub fn operator_file(baked: &Baked, settings: &BakeSettings, scene: &CompiledSce
             rays_per_patch: settings.rays,
             rays: baked.rays,
             seed: settings.patches.seed,
-            bounces: None,
+            bounces: settings.bounces,
             passes: operator.passes,
             codec: codec.into(),
             max_error,
@@ -100,5 +101,10 @@ pub fn open_operator(file: OperatorFile, session: &dyn Session) -> Result<Operat
         return Err(OpenError::Patch { patch });
     }
     let Transport::Tiles(relighter) = file.transport;
-    Ok(Operator { map: PatchMap { elements, patches }, relighter, escaped: file.escaped, passes: file.info.passes })
+    Ok(Operator {
+        map: PatchMap { elements, patches },
+        relighter,
+        escaped: file.escaped,
+        passes: file.info.passes,
+    })
 }

@@ -38,6 +38,8 @@ pub enum Codec {
         /// Relative error.
         max_error: f64,
     },
+    /// Eight bits an entry, nothing for tiles where all is 0.
+    Tiles,
     /// f16.
     F16,
     /// f32.
@@ -55,6 +57,8 @@ pub struct BakeSettings {
     pub codec: Codec,
     /// Passes of a relighting; `None`: as few as the codec's error allows, at least [`PASSES`].
     pub passes: Option<u32>,
+    /// Bounces of the indirect light, each a pass; `None`: all.
+    pub bounces: Option<u32>,
 }
 
 impl Default for BakeSettings {
@@ -64,6 +68,7 @@ impl Default for BakeSettings {
             rays: 4096,
             codec: Codec::Auto { max_error: 0.01 },
             passes: None,
+            bounces: None,
         }
     }
 }
@@ -109,6 +114,13 @@ pub struct Operator {
     pub passes: u32,
 }
 
+impl Operator {
+    /// Bytes of everything a relighting reads.
+    pub fn bytes(&self) -> usize {
+        self.relighter.bytes()
+    }
+}
+
 /// A bake.
 #[derive(Clone, Debug)]
 pub struct Baked {
@@ -126,6 +138,23 @@ pub struct Baked {
     pub stages: Vec<(&'static str, f64)>,
 }
 
+/// Seconds by stage.
+struct Clock {
+    stages: Vec<(&'static str, f64)>,
+    last: Instant,
+}
+
+impl Clock {
+    fn new() -> Self {
+        Self { stages: Vec::new(), last: Instant::now() }
+    }
+
+    fn done(&mut self, name: &'static str) {
+        self.stages.push((name, self.last.elapsed().as_secs_f64()));
+        self.last = Instant::now();
+    }
+}
+
 /// Bakes the operator of a session's scene.
 ///
 /// # Errors
@@ -135,20 +164,15 @@ pub fn bake(
     settings: &BakeSettings,
     watcher: &dyn Watcher,
 ) -> Result<Baked, BakeError> {
-    let mut stages = Vec::new();
-    let mut last = Instant::now();
-    let mut done = |name| {
-        stages.push((name, last.elapsed().as_secs_f64()));
-        last = Instant::now();
-    };
+    let mut clock = Clock::new();
     let map = session.patches(&settings.patches)?;
     if map.patches.is_empty() {
         return Err(BakeError::NoPatches);
     }
-    done("patches");
+    clock.done("patches");
     let order = order::kd(map.patches.list(), SIDE);
     let map = PatchMap { patches: map.patches.reordered(&order), ..map };
-    done("order");
+    clock.done("order");
     let job = FormFactorJob {
         seed: settings.patches.seed,
         rays: settings.rays,
@@ -156,21 +180,21 @@ pub fn bake(
     };
     let control = PassControl::whole(watcher, u64::from(settings.rays));
     let rows = session.form_factors(&map, &job, &control)?;
-    done("rays");
+    clock.done("rays");
     let mut form_factors = form_factors::assemble(&map.patches.areas(), &rows)?;
     let rays = rows.iter().map(|r: &Row| u64::from(r.rays)).sum();
     drop(rows);
     let targets = form_factors.targets();
     let balance = form_factors::balance(&mut form_factors, &targets, BALANCE_STEPS);
-    done("balance");
+    clock.done("balance");
     let albedo: Vec<[f32; 3]> = map.patches.list().iter().map(|p| p.albedo).collect();
-    let truth = Truth::new(session, &form_factors, &map, &albedo)?;
-    done("exact");
+    let truth = Truth::new(session, &form_factors, &map, &albedo, settings.bounces)?;
+    clock.done("exact");
     let Encoded { relighter, passes, error } =
         encode(session, &form_factors, &truth, settings.codec, settings.passes)?;
-    done("encode");
+    clock.done("encode");
     let operator = Operator { map, relighter, escaped: form_factors.escaped.clone(), passes };
-    Ok(Baked { operator, form_factors, balance, error, rays, stages })
+    Ok(Baked { operator, form_factors, balance, error, rays, stages: clock.stages })
 }
 
 /// What probe lights are for: those that weights of passes are found by are not those that the error is measured with.
@@ -244,10 +268,12 @@ pub struct Truth {
     pub exact: Vec<Vec<[f32; 3]>>,
     /// The same for lights that weights are found by.
     pub fit: (Vec<Vec<[f32; 3]>>, Vec<Vec<[f32; 3]>>),
+    /// Bounces that the light is of; `None`: all.
+    pub bounces: Option<u32>,
 }
 
 impl Truth {
-    /// By passes over f32 until nothing moves.
+    /// By passes over f32 until nothing moves, or one for each of so many bounces.
     ///
     /// # Errors
     /// Of form factors that make no operator.
@@ -256,22 +282,33 @@ impl Truth {
         form_factors: &FormFactors,
         map: &PatchMap,
         albedo: &[[f32; 3]],
+        bounces: Option<u32>,
     ) -> Result<Self, BakeError> {
-        let relighter = Relighter::encode(form_factors, albedo, Rates::Uniform(Kind::F32))?;
-        let relighter = session.with_coarse(relighter, Rates::Uniform(Kind::F32))?;
+        let symmetric = Symmetric::new(form_factors);
+        let tiles = session.tiles(&symmetric, &|_, _| Kind::F32).map_err(RelightError::Tiles)?;
+        let relighter = Relighter::of(form_factors, albedo, tiles)?;
+        let relighter = match bounces {
+            None => session.with_coarse(relighter, Rates::Uniform(Kind::F32))?,
+            Some(_) => relighter,
+        };
         let mut room = Workspace::default();
         let mut solve = |lights: &[Vec<[f32; 3]>]| -> Result<Vec<Vec<[f32; 3]>>, BakeError> {
             let mut all = Vec::new();
             for direct in lights {
                 let mut indirect = vec![[0.0; 3]; direct.len()];
-                session.converge(&relighter, (direct, &[]), &mut indirect, STANDS, &mut room)?;
+                match bounces {
+                    None => {
+                        session.converge(&relighter, (direct, &[]), &mut indirect, STANDS, &mut room)?;
+                    }
+                    Some(k) => session.relight(&relighter, (direct, &[]), &mut indirect, k, &mut room)?,
+                }
                 all.push(indirect);
             }
             Ok(all)
         };
         let [lights, fit] = [ProbeLights::Measure, ProbeLights::Fit].map(|p| probe_lights(map, p));
         let (exact, fitted) = (solve(&lights)?, solve(&fit)?);
-        Ok(Self { relighter, lights, exact, fit: (fit, fitted) })
+        Ok(Self { relighter, lights, exact, fit: (fit, fitted), bounces })
     }
 
     /// Weights for so many passes.
@@ -367,11 +404,14 @@ pub fn encode(
     let albedo = truth.relighter.albedo_list();
     let limit = match codec {
         Codec::Auto { max_error } => max_error * PASSES_SHARE,
-        Codec::F16 | Codec::F32 => FULL_ERROR,
+        Codec::Tiles | Codec::F16 | Codec::F32 => FULL_ERROR,
     };
     // As few passes as leave the tiles room for errors of their own.
-    let mut count = passes.unwrap_or(PASSES);
+    let mut count = truth.bounces.or(passes).unwrap_or(PASSES);
     let weights = loop {
+        if truth.bounces.is_some() {
+            break Vec::new();
+        }
         let weights = truth.weights(session, count)?;
         let made = truth.relighter.clone().with_weights(weights.clone())?;
         let good = truth.measure(session, &made, count)?.rms <= limit;
@@ -393,6 +433,7 @@ pub fn encode(
     match codec {
         Codec::F32 => uniform(Kind::F32),
         Codec::F16 => uniform(Kind::F16),
+        Codec::Tiles => uniform(Kind::Bits8),
         Codec::Auto { max_error } => {
             let curves = session.rate_curves(&symmetric);
             // The error grows with what a bit may cost; look for the largest cost that is allowed.
@@ -429,6 +470,8 @@ pub struct PatchLight {
     pub direct: Vec<[f32; 3]>,
     /// From the sky.
     pub sky: Vec<[f32; 3]>,
+    /// From lights without size, on elements.
+    pub elements: Vec<[f32; 3]>,
 }
 
 /// The light of the session's scene on the patches of an operator.
@@ -460,7 +503,9 @@ pub fn patch_light(
     }
     let environment = session.scene().environment;
     let sky = operator.escaped.iter().map(|e| environment.map(|l| e * PI * l)).collect();
-    Ok(PatchLight { direct: sums.into_iter().map(|s| s.map(|x| x as f32)).collect(), sky })
+    let narrow = |v: [f64; 3]| v.map(|x| x as f32);
+    let elements = (0..map.elements.count()).map(|e| narrow(outcome.film.mean(e))).collect();
+    Ok(PatchLight { direct: sums.into_iter().map(narrow).collect(), sky, elements })
 }
 
 /// Indirect irradiance on patches for their light: what patches send each other, emission of surfaces included.
@@ -494,6 +539,39 @@ pub fn radiosity_map(
     let all: Vec<[f32; 3]> =
         indirect.iter().zip(&light.sky).map(|(i, s)| [0, 1, 2].map(|c| i[c] + s[c])).collect();
     Ok(session.transfer(&operator.map)?.apply(&all))
+}
+
+/// All light of an operator's scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relit {
+    /// What no patch has sent.
+    pub light: PatchLight,
+    /// Indirect irradiance on patches \[W/m^2\].
+    pub indirect: Vec<[f32; 3]>,
+    /// On elements: all but the direct light of lights without size.
+    pub values: Vec<[f32; 3]>,
+    /// Seconds by stage.
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+/// The light of the session's scene, all bounces, on its elements.
+///
+/// # Errors
+/// [`BakeError`]; being stopped is one ([`BackendError::Cancelled`]).
+pub fn relit(
+    session: &dyn Session,
+    operator: &Operator,
+    seed: u64,
+    watcher: &dyn Watcher,
+) -> Result<Relit, BakeError> {
+    let mut clock = Clock::new();
+    let light = patch_light(session, operator, seed, watcher)?;
+    clock.done("direct");
+    let indirect = relight(session, operator, &light, &mut Workspace::default())?;
+    clock.done("relight");
+    let values = radiosity_map(session, operator, &light, &indirect)?;
+    clock.done("transfer");
+    Ok(Relit { light, indirect, values, stages: clock.stages })
 }
 
 /// What a map of an operator is read by.

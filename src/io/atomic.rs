@@ -7,7 +7,7 @@ use super::error::SaveError;
 
 /// Writes `bytes` to a temporary file beside `path`, then renames it over `path`.
 /// On any failure what stood there before is untouched.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), SaveError> {
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), SaveError> {
     let fail = |reason: String| Err(SaveError::new(path, reason));
     let folder = match path.parent() {
         Some(p) if p.as_os_str().is_empty() => Path::new("."),

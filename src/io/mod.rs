@@ -34,6 +34,7 @@ mod scene_fields;
 mod source;
 mod toml_view;
 
+pub use atomic::write_whole;
 pub use bitmap::{Mask, parse_texture, read_mask, read_png, write_png};
 pub use error::{LoadError, Note, Problem, SaveError};
 pub use exr::{RenderImage, parse_exr, read_exr, write_exr};

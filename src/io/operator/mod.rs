@@ -75,6 +75,15 @@ pub enum Transport {
     Tiles(Relighter),
 }
 
+impl Transport {
+    /// Bytes of everything a relighting reads.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Tiles(relighter) => relighter.bytes(),
+        }
+    }
+}
+
 /// What an operator file holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatorFile {

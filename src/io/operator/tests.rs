@@ -38,6 +38,7 @@ fn operator(n: usize, rates: Rates, coarse: Option<Rates>) -> OperatorFile {
             rays: 1 << 60,
             seed: u64::MAX,
             bounces: None,
+            passes: 3,
             codec: "tiles".into(),
             max_error: Some(0.1 + 0.2),
             error: CodecError { rms: 1.0 / 3.0, worst: 1e-300, energy: 0.0 },

@@ -1,0 +1,100 @@
+//! `etendue bake`: the multi-bounce transport of a scene between patches, in a file.
+
+use super::args::{BackendArgs, TalkArgs};
+use super::bake_args::BakeArgs;
+use super::error::{CliError, INTERRUPTED};
+use super::job::{Stages, open, read_scene};
+use super::output::check_folder;
+use super::progress::Bar;
+use crate::driver::operator_file;
+use crate::driver::radiosity::{BakeError, bake};
+use crate::io::{encode_operator, write_whole};
+use etendue_core::backend::BackendError;
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Options of `bake`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The scene: .toml, .obj or .ply
+    scene: PathBuf,
+    /// The operator: patches, form factors and what belongs to them; lights without size may change after
+    #[arg(short, long, value_name = "OP.etd")]
+    output: PathBuf,
+    #[command(flatten)]
+    bake: BakeArgs,
+    /// The same as --pair-samples
+    #[arg(long, value_name = "N", conflicts_with = "pair_samples", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    samples: Option<u32>,
+    /// Seed of all rays
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    backend: BackendArgs,
+    #[command(flatten)]
+    talk: TalkArgs,
+}
+
+/// Runs the verb.
+pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
+    args.bake.check()?;
+    check_folder(&args.output)?;
+    let mut stages = Stages::new();
+    let (scene, _) = read_scene(&args.scene, None, &args.talk, &mut stages)?;
+    let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
+    let mut settings = args.bake.settings(args.seed);
+    if let Some(samples) = args.samples {
+        settings = BakeArgs { pair_samples: Some(samples), ..args.bake.clone() }.settings(args.seed);
+    }
+    let bar = Bar::new(&args.talk);
+    let baked = match bake(&*opened.session, &settings, &bar) {
+        Err(BakeError::Backend(BackendError::Cancelled)) => {
+            bar.finish();
+            eprintln!("stopped before the operator was complete: nothing was written");
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
+        other => other?,
+    };
+    bar.finish();
+    stages.add(&baked.stages);
+    let bytes = encode_operator(&operator_file(&baked, &settings, opened.session.scene()), &args.output)?;
+    write_whole(&args.output, &bytes)?;
+    stages.done("write");
+    let operator = &baked.operator;
+    let n = operator.map.patches.len();
+    let per_pair = operator.bytes() as f64 / (n as f64 * n as f64);
+    if args.talk.json {
+        let mut map = Map::new();
+        let mut add = |name: &str, value: Value| map.insert(name.into(), value);
+        add("version", json!(env!("CARGO_PKG_VERSION")));
+        add("backend", json!(opened.info.name));
+        add("adapter", json!(opened.info.adapter));
+        add("scene_hash", json!(opened.hash));
+        add("seed", json!(args.seed));
+        add("method", json!("radiosity"));
+        add("patches", json!(n));
+        add("rays", json!(baked.rays));
+        add("bytes", json!(bytes.len()));
+        add("bytes_per_pair", json!(per_pair));
+        add("passes", json!(operator.passes));
+        let error =
+            json!({ "rms": baked.error.rms, "worst": baked.error.worst, "energy": baked.error.energy });
+        add("codec_error", error);
+        add("output", json!(args.output));
+        add("seconds", stages.json());
+        println!("{}", Value::Object(map));
+    } else if !args.talk.quiet {
+        println!(
+            "{}: {n} patches, {:.1} M rays, {per_pair:.3} bytes a pair ({:.2} MB in all), codec error {:.2} % (worst light {:.2} %) in {} passes ({})",
+            args.output.display(),
+            baked.rays as f64 * 1e-6,
+            bytes.len() as f64 * 1e-6,
+            100.0 * baked.error.rms,
+            100.0 * baked.error.worst,
+            operator.passes,
+            stages.text()
+        );
+    }
+    Ok(ExitCode::SUCCESS)
+}
