@@ -6,6 +6,8 @@
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
 mod common;
+#[path = "shared_scenes/photons.rs"]
+mod photons;
 
 use common::shared_scenes;
 use etendue::core::backend::{Probe, Session};

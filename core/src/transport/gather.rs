@@ -16,6 +16,8 @@
 //!   The one thing that neither finds is a light without size seen through mirrors alone: such arrivals are summed a second time, by themselves, and
 //!   read at x ([`crate::transport::photon::Photon::caustic`]).
 //!
+//! - **Near surfaces**, within an element's largest length of where a gather ray starts, are not read either but gathered at again, where that length and no limit of depth are
+//!   given: a photon there counts 1 / (pi r^2) times its flux, rarely and without bound as r falls, and the element's blur is seen at first hand.
 //! - **Spheres and disks** are one element each, too coarse to be read: rays gather there as they do at the first surface, and go on to what can be read.
 //!
 //! What stays out: a light without size that a Phong lobe sees through a mirror (no direction meets it; path tracing misses it, too).
@@ -252,7 +254,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             }
             let goes_on = if LOBES && surface.lobes.mirror {
                 self.reflect(walk, &surface)
-            } else if walk.gathers || self.is_round(&hit) {
+            } else if walk.gathers || self.is_round(&hit) || self.is_near(map, walk, &hit) {
                 self.gather_at(intersector, map, walk, &surface, &hit)
             } else {
                 self.read_at(intersector, map, walk, &surface, &hit)
@@ -267,6 +269,15 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     #[inline(always)]
     fn is_round(&self, hit: &Hit) -> bool {
         hit.primitive as usize >= self.scene.triangles.len()
+    }
+
+    /// A gather ray ends within an element's length: see the module's text.
+    #[inline(always)]
+    fn is_near(&self, map: &MapView<'_>, walk: &Walk, hit: &Hit) -> bool {
+        let largest = map.elements.settings().largest;
+        // The photons of a map have one limit of depth, and another surface would be one edge more.
+        let free = self.max_depth == u32::MAX && largest.is_finite();
+        free && self.gather && !walk.seen && hit.t < largest
     }
 
     fn reflect(&self, walk: &mut Walk, surface: &Surface) -> bool {

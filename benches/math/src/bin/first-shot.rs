@@ -1,6 +1,6 @@
 //! `cargo run --release -p etendue-benches --bin first-shot [-- SCENE ...]`: writes `docs/first-shot.md` with its figures.
 //!
-//! With names of scenes it prints only their tables, with `reconstruct` among them only those of reconstruction. `ETENDUE_SCENES` names the folder of the shared scenes; without it Sponza is left out.
+//! With names of scenes it prints only their tables, with `reconstruct` among them only those of reconstruction; `needs` alone prints the cost by need. `ETENDUE_SCENES` names the folder of the shared scenes; without it Sponza is left out.
 #![allow(clippy::disallowed_methods, reason = "a program that prints")]
 
 use etendue::core::backend::PhotonStart;
@@ -11,7 +11,7 @@ use etendue_benches::draw;
 use etendue_benches::figure::{Curves, Series};
 use etendue_benches::first_shot::measure::{self, Method, Run};
 use etendue_benches::first_shot::reconstruct::{self, Truth};
-use etendue_benches::first_shot::{precompute, scenes};
+use etendue_benches::first_shot::{needs, precompute, scenes};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -260,6 +260,18 @@ fn chapter(
     Ok(out + "\n")
 }
 
+/// What code costs that a scene does not need.
+fn cost_by_need() -> String {
+    const TURNS: usize = 9;
+    let mut out = String::from(include_str!("../first_shot/needs.md"));
+    for r in needs::table(&scenes::room(), 0.15, TURNS) {
+        let [a, b] = r.nanoseconds;
+        let [c, d] = r.ratios;
+        out += &format!("| {} | {a:.1} | {c:.3} | {b:.1} | {d:.3} |\n", r.name);
+    }
+    out + "\n"
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     let only_reconstruct = asked.iter().any(|a| a == "reconstruct");
@@ -277,6 +289,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             continue;
         };
         let text = chapter(&case, &figures, only_reconstruct)?;
+        println!("{text}");
+        page += &text;
+    }
+    if asked.is_empty() || asked.iter().any(|a| a == "needs") {
+        let text = cost_by_need();
         println!("{text}");
         page += &text;
     }

@@ -52,8 +52,8 @@ fn dark() -> SceneDesc {
     desc
 }
 
-/// The closed box, of 32 large triangles, with a lamp of no size.
-fn room() -> SceneDesc {
+/// The closed box, of 32 large triangles, with lamps of no size.
+pub fn room() -> SceneDesc {
     let mut desc = ours("cornell/closed.toml");
     desc.shapes.clear();
     desc.lights = vec![
