@@ -22,6 +22,8 @@ pub(super) struct TilesHead {
     /// How the second level is stored, if there is one: what a change of albedo makes it anew with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     coarse: Option<RatesJson>,
+    /// What part of its change a pass makes.
+    damping: f32,
 }
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -58,7 +60,7 @@ pub(super) fn write<'a>(relighter: &'a Relighter, sections: &mut Vec<Section<'a>
         Rates::Cheapest { lambda } => RatesJson::Cheapest { lambda },
         Rates::Uniform(kind) => RatesJson::Uniform { kind: kind as u8 },
     });
-    TilesHead { coarse }
+    TilesHead { coarse, damping: relighter.damping() }
 }
 
 pub(super) fn read(
@@ -94,7 +96,7 @@ pub(super) fn read(
     };
     let m = tile_rows(n);
     let inverses = [one(sections, ALL[1], m)?, one(sections, ALL[2], m)?, one(sections, ALL[3], m)?];
-    relighter.with_coarse_tiles(inverses, rates).map_err(refused)
+    relighter.with_coarse_tiles(inverses, rates, head.damping).map_err(refused)
 }
 
 fn one(sections: &mut Sections<'_>, [kinds, payload]: [Tag; 2], n: usize) -> Result<Tiles, LoadError> {

@@ -14,9 +14,12 @@
 //! ```
 //!
 //! P gives a cluster's value to its patches, and Q is the mean by area (Q P = 1). The first B is B0 + R P Gc Q B0, which needs no pass and takes a third of the error away. The last pass gives E = F B + P Gc Q r, the clusters' share of all that was still to come.
+//! Where surfaces face each other closely a pass would overshoot, and makes only a part of its change ([`Relighter::damping`]).
+//!
 //! It is one fixed linear map of E_direct: no test of convergence, the same time for all lights.
 
 mod coarse;
+mod passes;
 #[cfg(test)]
 mod tests;
 pub mod weights;
@@ -25,6 +28,8 @@ pub use coarse::{Coarse, CoarseError};
 
 use super::form_factors::FormFactors;
 use super::operator::OperatorError;
+pub use super::polynomial::Portable;
+
 use super::polynomial::Multiply;
 use super::tiles::{Planes, Rates, SIDE, Scratch, TileError, Tiles, encode, tile_rows};
 use crate::math;
@@ -48,10 +53,6 @@ pub trait Products {
     ) where
         Self: Sized;
 }
-
-/// One thread, plain code.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Portable;
 
 impl Products for Portable {
     fn apply<const C: usize>(
@@ -132,6 +133,8 @@ pub struct Relighter {
     coarse: Option<Coarse>,
     /// Weights of passes; see [`weights`].
     weights: Vec<f32>,
+    /// What part of its change a pass makes: less than 1 where it would overshoot.
+    damping: f32,
 }
 
 /// Room for a relighting: none is asked for while it runs.
@@ -280,6 +283,7 @@ impl Relighter {
             albedo: planes(albedo),
             coarse: None,
             weights: Vec::new(),
+            damping: 1.0,
         })
     }
 
@@ -287,14 +291,14 @@ impl Relighter {
     ///
     /// # Errors
     /// When light does not die out between clusters: all closed in and white.
-    pub fn with_coarse<M: Multiply + ?Sized>(
+    pub fn with_coarse<M: Multiply + Products>(
         mut self,
         multiply: &M,
         rates: Rates,
     ) -> Result<Self, RelightError> {
         let albedo = self.albedo_list();
         self.coarse = Some(Coarse::new(multiply, &self.clusters(), &self.areas, &albedo, rates)?);
-        Ok(self)
+        Ok(self.settled(multiply))
     }
 
     /// With the second level of another relighter of the same patches, in tiles of these rates: that of form factors in more bits serves these as well.
@@ -304,6 +308,7 @@ impl Relighter {
     pub fn with_coarse_of(mut self, other: &Self, rates: Rates) -> Result<Self, RelightError> {
         check_len("patches", other.len(), self.len())?;
         self.coarse = other.coarse.as_ref().map(|c| c.encoded(rates)).transpose()?;
+        self.damping = other.damping;
         Ok(self)
     }
 
@@ -320,12 +325,21 @@ impl Relighter {
         Ok(self)
     }
 
-    /// With a second level that was made before, from [`Coarse::tiles`] and [`Coarse::rates`].
+    /// With a second level that was made before, from [`Coarse::tiles`], [`Coarse::rates`] and [`Self::damping`].
     ///
     /// # Errors
-    /// When the tiles are not of as many clusters as there are.
-    pub fn with_coarse_tiles(mut self, tiles: [Tiles; 3], rates: Rates) -> Result<Self, RelightError> {
+    /// When the tiles are not of as many clusters as there are; a damping that is not in (0, 1\].
+    pub fn with_coarse_tiles(
+        mut self,
+        tiles: [Tiles; 3],
+        rates: Rates,
+        damping: f32,
+    ) -> Result<Self, RelightError> {
+        if !(damping > 0.0 && damping <= 1.0) {
+            return Err(RelightError::BadValue { slice: "damping", patch: 0, value: damping });
+        }
         self.coarse = Some(Coarse::from_tiles(tiles, &self.areas, rates)?);
+        self.damping = damping;
         Ok(self)
     }
 
@@ -365,6 +379,11 @@ impl Relighter {
         self.coarse.as_ref()
     }
 
+    /// What part of its change a pass makes.
+    pub fn damping(&self) -> f32 {
+        self.damping
+    }
+
     /// Weights of passes.
     pub fn weights(&self) -> &[f32] {
         &self.weights
@@ -389,7 +408,7 @@ impl Relighter {
     ///
     /// # Errors
     /// A wrong number of them, or one that is not in \[0, 1\]; as [`Self::with_coarse`].
-    pub fn set_albedo<M: Multiply + ?Sized>(
+    pub fn set_albedo<M: Multiply + Products>(
         &mut self,
         multiply: &M,
         albedo: &[[f32; 3]],
@@ -400,6 +419,7 @@ impl Relighter {
         if let Some(coarse) = &self.coarse {
             let rates = coarse.rates();
             self.coarse = Some(Coarse::new(multiply, &self.clusters(), &self.areas, albedo, rates)?);
+            *self = self.clone().settled(multiply);
         }
         Ok(())
     }
@@ -408,219 +428,6 @@ impl Relighter {
     pub fn bytes(&self) -> usize {
         self.tiles.bytes() + self.coarse.as_ref().map_or(0, Coarse::bytes) + self.len() * (4 + 4 + 12)
     }
-
-    /// y = F B, in planes.
-    fn gather<P: Products>(&self, products: &P, room: &mut Gather<'_>) {
-        for ((x, b), into) in room.x.iter_mut().zip(room.radiosity).zip(&self.into) {
-            for c in 0..3 {
-                for k in 0..SIDE {
-                    x[c][k] = b[c][k] * into[k];
-                }
-            }
-        }
-        products.apply(&self.tiles, room.x, room.y, room.scratch);
-        for (y, out) in room.y.iter_mut().zip(&self.out) {
-            for y in y {
-                for k in 0..SIDE {
-                    y[k] *= out[k];
-                }
-            }
-        }
-    }
-
-    /// F x for three channels: one bounce without albedo. For baselines and checks.
-    ///
-    /// # Errors
-    /// A wrong length.
-    pub fn bounce<P: Products>(
-        &self,
-        products: &P,
-        x: &[[f32; 3]],
-        y: &mut [[f32; 3]],
-    ) -> Result<(), RelightError> {
-        check_len("x", x.len(), self.len())?;
-        check_len("y", y.len(), self.len())?;
-        let radiosity = planes(x);
-        let mut room = (radiosity.clone(), radiosity.clone(), Scratch::default());
-        let mut gather =
-            Gather { radiosity: &radiosity, x: &mut room.0, y: &mut room.1, scratch: &mut room.2 };
-        self.gather(products, &mut gather);
-        for (i, y) in y.iter_mut().enumerate() {
-            *y = [0, 1, 2].map(|c| room.1[i / SIDE][c][i % SIDE]);
-        }
-        Ok(())
-    }
-
-    /// Indirect irradiance \[W/m^2\] per patch from direct irradiance and what patches emit themselves (empty: nothing), by so many passes over the form factors.
-    ///
-    /// With clusters that is all bounces (with no pass, as clusters alone have it); without, as many as there are passes. It is linear in the light, and where little
-    /// light comes it may be a little below 0. Nothing is allocated once the workspace has been used.
-    ///
-    /// # Errors
-    /// A wrong length; irradiance that is not finite.
-    pub fn relight<P: Products>(
-        &self,
-        products: &P,
-        light: (&[[f32; 3]], &[[f32; 3]]),
-        indirect: &mut [[f32; 3]],
-        passes: u32,
-        room: &mut Workspace,
-    ) -> Result<(), RelightError> {
-        self.run(products, light, indirect, (passes, 0.0), room).map(|_| ())
-    }
-
-    /// [`Self::relight`] with as many passes as it takes until one changes irradiance, in the root mean square by area, by no more than this part, or until the most are made.
-    /// How many were.
-    ///
-    /// # Errors
-    /// As [`Self::relight`].
-    pub fn converge<P: Products>(
-        &self,
-        products: &P,
-        light: (&[[f32; 3]], &[[f32; 3]]),
-        indirect: &mut [[f32; 3]],
-        (most, tolerance): (u32, f64),
-        room: &mut Workspace,
-    ) -> Result<u32, RelightError> {
-        self.run(
-            products,
-            light,
-            indirect,
-            (most, if tolerance > 0.0 { tolerance } else { f64::MIN_POSITIVE }),
-            room,
-        )
-    }
-
-    /// Relative change from one irradiance to the next.
-    fn change(&self, next: &[Planes<3>], last: &[Planes<3>]) -> f64 {
-        let (mut moved, mut all) = (0.0, 0.0);
-        for (i, area) in self.areas.iter().enumerate() {
-            for c in 0..3 {
-                let [a, b] = [next, last].map(|x| f64::from(x[i / SIDE][c][i % SIDE]));
-                moved += f64::from(*area) * (a - b) * (a - b);
-                all += f64::from(*area) * a * a;
-            }
-        }
-        if moved <= 0.0 {
-            0.0
-        } else if all > 0.0 {
-            math::sqrt64(moved / all)
-        } else {
-            f64::INFINITY
-        }
-    }
-
-    fn run<P: Products>(
-        &self,
-        products: &P,
-        (direct, emission): (&[[f32; 3]], &[[f32; 3]]),
-        indirect: &mut [[f32; 3]],
-        (passes, tolerance): (u32, f64),
-        room: &mut Workspace,
-    ) -> Result<u32, RelightError> {
-        let n = self.len();
-        check_len("direct irradiance", direct.len(), n)?;
-        check_len("indirect irradiance", indirect.len(), n)?;
-        if !emission.is_empty() {
-            check_len("emission", emission.len(), n)?;
-        }
-        check("direct irradiance", direct, f32::is_finite)?;
-        check("emission", emission, f32::is_finite)?;
-        let rows = tile_rows(n);
-        for planes in [
-            &mut room.start,
-            &mut room.radiosity,
-            &mut room.rest,
-            &mut room.last,
-            &mut room.sum,
-            &mut room.x,
-            &mut room.y,
-        ] {
-            planes.clear();
-            planes.resize(rows, Planes::default());
-        }
-        fill(&mut room.start, direct);
-        for (b, rho) in room.start.iter_mut().zip(&self.albedo) {
-            for c in 0..3 {
-                for k in 0..SIDE {
-                    b[c][k] *= rho[c][k];
-                }
-            }
-        }
-        for (i, emission) in emission.iter().enumerate() {
-            for (b, e) in room.start[i / SIDE].iter_mut().zip(emission) {
-                b[i % SIDE] += e;
-            }
-        }
-        room.radiosity.copy_from_slice(&room.start);
-        if let Some(coarse) = &self.coarse {
-            add_sent(&mut room.last, coarse.apply(products, &room.start, &mut room.coarse));
-            self.bounce_all(&room.start, &room.last, &mut room.radiosity);
-            room.sum.copy_from_slice(&room.last);
-        }
-        let weights =
-            if tolerance <= 0.0 && self.weights.len() == passes as usize { &self.weights[..] } else { &[] };
-        let mut done = 0;
-        for pass in 0..passes as usize {
-            let mut gather = Gather {
-                radiosity: &room.radiosity,
-                x: &mut room.x,
-                y: &mut room.y,
-                scratch: &mut room.scratch,
-            };
-            self.gather(products, &mut gather);
-            if let Some(coarse) = &self.coarse {
-                // r = B0 + R F B - B.
-                self.bounce_all(&room.start, &room.y, &mut room.rest);
-                for (r, b) in room.rest.as_flattened_mut().iter_mut().zip(room.radiosity.as_flattened()) {
-                    for k in 0..SIDE {
-                        r[k] -= b[k];
-                    }
-                }
-                add_sent(&mut room.y, coarse.apply(products, &room.rest, &mut room.coarse));
-            }
-            // Now y is E of this pass.
-            let weight = weights.get(pass).copied().unwrap_or(1.0);
-            for (sum, (y, last)) in room.sum.iter_mut().zip(room.y.iter().zip(&room.last)) {
-                for c in 0..3 {
-                    for k in 0..SIDE {
-                        sum[c][k] += weight * (y[c][k] - last[c][k]);
-                    }
-                }
-            }
-            // B + r + R P Gc Q r = B0 + R (F B + P Gc Q r).
-            self.bounce_all(&room.start, &room.y, &mut room.radiosity);
-            let stands = tolerance > 0.0 && self.change(&room.y, &room.last) <= tolerance;
-            core::mem::swap(&mut room.y, &mut room.last);
-            done += 1;
-            if stands {
-                break;
-            }
-        }
-        for (i, e) in indirect.iter_mut().enumerate() {
-            *e = [0, 1, 2].map(|c| room.sum[i / SIDE][c][i % SIDE]);
-        }
-        Ok(done)
-    }
-
-    /// B = B0 + R E.
-    fn bounce_all(&self, start: &[Planes<3>], irradiance: &[Planes<3>], radiosity: &mut [Planes<3>]) {
-        for (((b, b0), e), rho) in radiosity.iter_mut().zip(start).zip(irradiance).zip(&self.albedo) {
-            for c in 0..3 {
-                for k in 0..SIDE {
-                    b[c][k] = b0[c][k] + rho[c][k] * e[c][k];
-                }
-            }
-        }
-    }
-}
-
-/// What a product reads and writes.
-struct Gather<'a> {
-    radiosity: &'a [Planes<3>],
-    x: &'a mut [Planes<3>],
-    y: &'a mut [Planes<3>],
-    scratch: &'a mut Scratch<3>,
 }
 
 /// A factor per patch for the sums of rows of F to be `targets`, as far as factors in \[1/2, 2\] can: what few bits lose of the energy is put back where it was lost.

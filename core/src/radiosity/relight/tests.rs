@@ -219,15 +219,80 @@ fn its_parts_make_it_again() {
                 Relighter::new(copy(made.tiles()), areas, factors, &made.albedo_list()).unwrap()
             };
             let coarse = made.coarse().unwrap();
-            let again =
-                parts().with_coarse_tiles(coarse.tiles().each_ref().map(copy), coarse.rates()).unwrap();
+            let again = parts()
+                .with_coarse_tiles(coarse.tiles().each_ref().map(copy), coarse.rates(), made.damping())
+                .unwrap();
             assert_eq!(again, made, "{n} {rates:?}");
             let other = encode(tile_rows(n) + 1, rates, |_, _| 0.0).unwrap();
             let wrong = [other.clone(), copy(&coarse.tiles()[1]), other];
             assert!(matches!(
-                parts().with_coarse_tiles(wrong, rates),
+                parts().with_coarse_tiles(wrong, rates, 1.0),
                 Err(RelightError::WrongLength { slice: "clusters", .. })
             ));
         }
     }
+}
+
+/// Pairs of patches that see little but each other, as the wall behind a picture does, spread over clusters with others.
+fn plates(n: usize) -> FormFactors {
+    let mut f = form_factors(n, 0.5);
+    let pairs = n / 4;
+    for k in 0..pairs {
+        let (i, j) = (4 * k, 4 * ((k * 7 + 3) % pairs) + 1);
+        let (high, low) = (i.max(j), i.min(j));
+        let area = f.areas[i].min(f.areas[j]);
+        f.half[high * (high + 1) / 2 + low] += 0.48 * area;
+    }
+    f
+}
+
+#[test]
+fn surfaces_that_face_each_other_closely_do_not_overshoot() {
+    let n = 96;
+    let f = plates(n);
+    let rho = vec![[0.95, 0.9, 0.0]; n];
+    let (direct, exact) = (one_lit(n), truth(&f, &rho, &one_lit(n), &[]));
+    let two = Relighter::encode(&f, &rho, Rates::Uniform(Kind::F32)).unwrap();
+    let two = two.with_coarse(&polynomial::Portable, Rates::Uniform(Kind::F32)).unwrap();
+    let errors = [4, 16, 64].map(|k| distance(&run(&two, &direct, &[], k), &exact, two.areas()));
+    assert!(errors[0] > errors[1] && errors[1] > errors[2] && errors[2] < 1e-4, "{errors:?}");
+    let mut found = vec![[0.0; 3]; n];
+    let passes = two.converge(&Portable, (&direct, &[]), &mut found, (500, 1e-7), &mut Workspace::default());
+    assert!(passes.as_ref().is_ok_and(|k| *k < 200), "{passes:?}");
+    assert!(distance(&found, &exact, two.areas()) < 1e-5);
+}
+
+#[test]
+fn weights_tell_what_would_follow() {
+    let n = 203;
+    let f = form_factors(n, 0.97);
+    let rho = albedo(n, 0.9);
+    let two = Relighter::encode(&f, &rho, Rates::Uniform(Kind::F32)).unwrap();
+    let two = two.with_coarse(&polynomial::Portable, Rates::Uniform(Kind::F32)).unwrap();
+    let lit = |patch: usize| {
+        let mut direct = vec![[0.0; 3]; n];
+        direct[patch] = [1.0, 2.0, 3.0];
+        direct
+    };
+    let narrow = |list: Vec<[f64; 3]>| list.into_iter().map(|x| x.map(|x| x as f32)).collect::<Vec<_>>();
+    let lights: Vec<_> = [10, 60, 130, 190].map(lit).to_vec();
+    let exact: Vec<_> = lights.iter().map(|l| narrow(truth(&f, &rho, l, &[]))).collect();
+    let mut room = Workspace::default();
+    let fitted = weights::fit::<RelightError>(two.areas(), &lights, &exact, 3, |light, passes, found| {
+        two.relight(&Portable, (light, &[]), found, passes, &mut room)
+    });
+    let weighted = two.clone().with_weights(fitted.unwrap()).unwrap();
+    // Lights that weights have not seen.
+    for patch in [33, 88, 160] {
+        let exact = truth(&f, &rho, &lit(patch), &[]);
+        let [plain, better] =
+            [&two, &weighted].map(|r| distance(&run(r, &lit(patch), &[], 3), &exact, two.areas()));
+        assert!(better < 0.8 * plain, "{patch}: {better} with weights, {plain} without");
+        // Another number of passes has none.
+        assert_eq!(run(&two, &lit(patch), &[], 2), run(&weighted, &lit(patch), &[], 2));
+    }
+    assert!(two.clone().with_weights(vec![f32::NAN]).is_err());
+    // Nothing to learn from: passes as they are.
+    let none = weights::fit::<RelightError>(two.areas(), &[], &[], 2, |_, _, _| Ok(()));
+    assert_eq!(none.unwrap(), [1.0, 1.0]);
 }
