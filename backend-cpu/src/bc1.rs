@@ -4,6 +4,7 @@
 //! the operations are the same in each lane, and so are the bits.
 
 use etendue_core::codec::bc1::{self, Black, Block, LengthError, Quality, Texels};
+use etendue_core::radiosity::blocks::Source;
 use rayon::prelude::*;
 
 /// Blocks per task: fixed, so that nothing depends on the number of threads.
@@ -24,6 +25,15 @@ pub fn encode_blocks(
         return avx2::encode_blocks(texels, quality, black, out);
     }
     bc1::encode_blocks(texels, quality, black, out)
+}
+
+/// Encodes a row of an operator's blocks on this thread: the bits of core's own lanes.
+pub(crate) fn encode_row(source: &Source<'_>, row: usize, out: &mut [Block]) {
+    #[cfg(target_arch = "x86_64")]
+    if crate::simd::has_avx2() {
+        return avx2::encode_row(source, row, out);
+    }
+    source.encode_row_portable(row, out);
 }
 
 /// Encodes blocks on the threads of the current pool: the bits of [`bc1::encode_blocks`].
@@ -51,6 +61,7 @@ mod avx2 {
 
     use core::arch::x86_64::*;
     use etendue_core::codec::bc1::{self, Black, Block, Eight, LengthError, Quality, Texels, Vector};
+    use etendue_core::radiosity::blocks::Source;
 
     /// Eight floats in a register. It is made and used only below `wide`, which runs only where AVX2 is.
     #[derive(Clone, Copy)]
@@ -192,6 +203,18 @@ mod avx2 {
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
     fn wide(texels: &[Texels], quality: Quality, black: Black, out: &mut [Block]) -> Result<(), LengthError> {
         bc1::encode_blocks_as::<Register>(texels, quality, black, out)
+    }
+
+    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    fn wide_row(source: &Source<'_>, row: usize, out: &mut [Block]) {
+        source.encode_row::<Register>(row, out);
+    }
+
+    /// Call it only where [`crate::simd::has_avx2`].
+    pub(super) fn encode_row(source: &Source<'_>, row: usize, out: &mut [Block]) {
+        debug_assert!(crate::simd::has_avx2());
+        // SAFETY: the one caller has asked for the features that `wide_row` is compiled for.
+        unsafe { wide_row(source, row, out) }
     }
 
     /// Call it only where [`crate::simd::has_avx2`].
