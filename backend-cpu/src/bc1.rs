@@ -31,7 +31,7 @@ pub fn encode_blocks(
 pub(crate) fn encode_row(source: &Source<'_>, row: usize, out: &mut [Block]) {
     #[cfg(target_arch = "x86_64")]
     if crate::simd::has_avx2() {
-        return avx2::encode_row(source, row, out);
+        return source.encode_row(row, out, avx2::encode, etendue_core::codec::bc4::encode);
     }
     source.encode_row_portable(row, out);
 }
@@ -61,7 +61,6 @@ mod avx2 {
 
     use core::arch::x86_64::*;
     use etendue_core::codec::bc1::{self, Black, Block, Eight, LengthError, Quality, Texels, Vector};
-    use etendue_core::radiosity::blocks::Source;
 
     /// Eight floats in a register. It is made and used only below `wide`, which runs only where AVX2 is.
     #[derive(Clone, Copy)]
@@ -206,15 +205,15 @@ mod avx2 {
     }
 
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    fn wide_row(source: &Source<'_>, row: usize, out: &mut [Block]) {
-        source.encode_row::<Register>(row, out);
+    fn wide_one(texels: &Texels, weights: &[f32; 16], quality: Quality) -> Block {
+        bc1::encode_as::<Register>(texels, weights, quality, Black::Allowed)
     }
 
     /// Call it only where [`crate::simd::has_avx2`].
-    pub(super) fn encode_row(source: &Source<'_>, row: usize, out: &mut [Block]) {
+    pub(super) fn encode(texels: &Texels, weights: &[f32; 16], quality: Quality) -> Block {
         debug_assert!(crate::simd::has_avx2());
-        // SAFETY: the one caller has asked for the features that `wide_row` is compiled for.
-        unsafe { wide_row(source, row, out) }
+        // SAFETY: the one caller has asked for the features that `wide_one` is compiled for.
+        unsafe { wide_one(texels, weights, quality) }
     }
 
     /// Call it only where [`crate::simd::has_avx2`].

@@ -45,7 +45,7 @@ use lanes::Lanes;
 use score::Target;
 use search::Plan;
 
-pub(crate) use lanes::Lanes as PortableLanes;
+pub(super) use lanes::Lanes as PortableLanes;
 pub(crate) use palette::{codes, widen, words};
 
 /// 16 texels, row by row; red, green, blue.

@@ -2,7 +2,7 @@
 
 use super::parts::Format;
 use super::{SIDE, block_rows};
-use crate::codec::bc1::{self, Black, Block, Eight, PortableLanes as Lanes};
+use crate::codec::bc1::{self, Block};
 use crate::codec::bc4;
 
 /// Codes of a matrix, to be encoded in an order.
@@ -32,38 +32,36 @@ impl Source<'_> {
         if self.half { row + 1 } else { self.rows() }
     }
 
-    /// Encodes a row of blocks in vectors of a backend: the same bits.
+    /// Encodes a row of blocks by what encodes one of three channels and one of one: [`bc1::encode`] and [`bc4::encode`], or a backend's form of them.
     #[inline(always)]
-    pub fn encode_row<V: Eight>(&self, row: usize, out: &mut [Block]) {
+    pub fn encode_row(
+        &self,
+        row: usize,
+        out: &mut [Block],
+        three: impl Fn(&bc1::Texels, &[f32; 16], bc1::Quality) -> Block,
+        one: impl Fn(&bc4::Texels, &[f32; 16], bc4::Quality) -> Block,
+    ) {
         for (column, out) in out.iter_mut().enumerate() {
             *out = match self.format {
                 Format::Bc1 => {
                     let (texels, weights) = self.texels::<3>(row, column);
-                    if empty(&texels, &weights) {
-                        [0; 8]
-                    } else {
-                        bc1::encode_as::<V>(&texels, &weights, self.bc1, Black::Allowed)
-                    }
+                    if empty(&texels, &weights) { [0; 8] } else { three(&texels, &weights, self.bc1) }
                 }
                 Format::Bc4 => {
                     let (texels, weights) = self.texels::<1>(row, column);
                     if empty(&texels, &weights) {
                         [0; 8]
                     } else {
-                        bc4::encode_as::<V>(
-                            texels.as_flattened().try_into().unwrap_or(&[0; 16]),
-                            &weights,
-                            self.bc4,
-                        )
+                        one(&texels.map(|[x]| x), &weights, self.bc4)
                     }
                 }
             };
         }
     }
 
-    /// [`Self::encode_row`] in plain code.
+    /// [`Self::encode_row`] by core's own forms.
     pub fn encode_row_portable(&self, row: usize, out: &mut [Block]) {
-        self.encode_row::<Lanes<8>>(row, out);
+        self.encode_row(row, out, bc1::encode, bc4::encode);
     }
 
     /// Codes of a block, and whether they count.
