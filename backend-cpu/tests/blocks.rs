@@ -1,9 +1,12 @@
 //! Operators in blocks: the bits of core's own forms, for any number of threads.
 
+#![allow(clippy::disallowed_methods, reason = "errors in f64")]
+
 use etendue_core::radiosity::blocks::{
     self, BlockOperator, Order, Quad, Schedule, Scratch, Sent, Settings, Workspace, block_rows,
 };
 use etendue_core::radiosity::form_factors::{FormFactors, balance};
+use etendue_core::radiosity::polynomial::{self, Multiply, Target, View};
 use etendue_cpu::Linear;
 
 /// The inside of a unit cube, m x m patches a side, form factors from middle to middle, set right.
@@ -98,22 +101,12 @@ fn blocks_of_wide_registers_are_cores_blocks() {
 /// Core's own forms of everything.
 struct Plain;
 
-impl etendue_core::radiosity::polynomial::Multiply for Plain {
-    fn multiply_add(
-        &self,
-        c: etendue_core::radiosity::polynomial::Target<'_, f32>,
-        a: etendue_core::radiosity::polynomial::View<'_, f32>,
-        b: etendue_core::radiosity::polynomial::View<'_, f32>,
-    ) {
-        etendue_core::radiosity::polynomial::Portable.multiply_add(c, a, b);
+impl Multiply for Plain {
+    fn multiply_add(&self, c: Target<'_, f32>, a: View<'_, f32>, b: View<'_, f32>) {
+        polynomial::Portable.multiply_add(c, a, b);
     }
-    fn multiply_add_wide(
-        &self,
-        c: etendue_core::radiosity::polynomial::Target<'_, f64>,
-        a: etendue_core::radiosity::polynomial::View<'_, f64>,
-        b: etendue_core::radiosity::polynomial::View<'_, f64>,
-    ) {
-        etendue_core::radiosity::polynomial::Portable.multiply_add_wide(c, a, b);
+    fn multiply_add_wide(&self, c: Target<'_, f64>, a: View<'_, f64>, b: View<'_, f64>) {
+        polynomial::Portable.multiply_add_wide(c, a, b);
     }
 }
 
@@ -220,13 +213,14 @@ fn measure() {
     println!("n = {n}");
     let given = Order::Given(&kd);
     report("published 3", &Settings::published(3));
-    report("published 60, no order", &Settings { order: Order::Patches, ..Settings::published(60) });
+    let all_bounces = Settings { matrix: blocks::Matrix::AllBounces, ..Settings::published(1) };
+    report("published, all bounces, no order", &Settings { order: Order::Patches, ..all_bounces });
     report(
-        "published 60, greedy 1",
-        &Settings { order: Order::Greedy { passes: 1 }, ..Settings::published(60) },
+        "published, all bounces, greedy 1",
+        &Settings { order: Order::Greedy { passes: 1 }, ..all_bounces },
     );
-    report("published 60, greedy 2", &Settings::published(60));
-    report("published 60, kd", &Settings { order: given, ..Settings::published(60) });
+    report("published, all bounces, greedy 2", &all_bounces);
+    report("published, all bounces, kd", &Settings { order: given, ..all_bounces });
     let mended = Settings { order: given, ..Settings::mended() };
     report("mended", &mended);
     report("mended, greedy 1", &Settings { order: Order::Greedy { passes: 1 }, ..mended });
@@ -237,9 +231,10 @@ fn measure() {
     let bounced = Settings { order: given, ..Settings::bounced(12) };
     report("bounced 12", &bounced);
     report("bounced 12, 1 %", &Settings { keep: 0.01, ..bounced });
+    report("bounced 40", &Settings { order: given, ..Settings::bounced(40) });
     report(
-        "bounced 12, exhaustive",
-        &Settings { bc4: etendue_core::codec::bc4::Quality::Exhaustive, ..bounced },
+        "bounced 40, logarithms",
+        &Settings { order: given, range: Settings::mended().range, ..Settings::bounced(40) },
     );
     report("bounced 3", &Settings { order: given, ..Settings::bounced(3) });
     let t = Instant::now();

@@ -128,7 +128,7 @@ mod tests {
     fn block(numbers: &Counter, k: u32) -> [u8; 8] {
         let mut block: [u8; 8] = core::array::from_fn(|d| (numbers.unit(k, 0, d as u32) * 256.0) as u8);
         // Equal ends, too.
-        if k % 8 == 0 {
+        if k.is_multiple_of(8) {
             (block[2], block[3]) = (block[0], block[1]);
         }
         block

@@ -9,6 +9,7 @@ use super::stripe::{F16_SCALE, small_f16};
 use super::{BlockOperator, SIDE, block_rows};
 use crate::codec::log_offset::{LogOffset, Quantiser};
 use crate::codec::{bc1, bc4};
+use crate::math;
 use crate::radiosity::form_factors::FormFactors;
 use crate::radiosity::polynomial::Multiply;
 use alloc::vec;
@@ -29,7 +30,7 @@ pub enum Order<'a> {
     Given(&'a [u32]),
 }
 
-/// The range of logarithms that codes cover.
+/// What codes stand for, and what range they cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     /// 25 below the largest entry.
@@ -39,6 +40,8 @@ pub enum Range {
         /// Share that becomes 0.
         lose: f32,
     },
+    /// No logarithms: codes of roots, x = max (code / 255)^2.
+    Roots,
 }
 
 /// What blocks have in the place of a kept entry.
@@ -122,7 +125,7 @@ impl Settings<'static> {
 
     /// Form factors alone, bounced so many times when it is run.
     pub const fn bounced(bounces: u32) -> Self {
-        Self { matrix: Matrix::FormFactors { bounces }, half: true, ..Self::mended() }
+        Self { matrix: Matrix::FormFactors { bounces }, half: true, range: Range::Roots, ..Self::mended() }
     }
 }
 
@@ -130,7 +133,8 @@ impl Settings<'static> {
 pub(super) struct Coded {
     pub(super) codes: Vec<u8>,
     pub(super) kept: Vec<bool>,
-    map: LogOffset,
+    /// What codes decode to.
+    values: Vec<f32>,
 }
 
 /// Splits and quantises.
@@ -157,16 +161,23 @@ pub(super) fn code(planes: &Planes, n: usize, settings: &Settings<'_>) -> Result
             *to = if *kept { 0.0 } else { *x };
         }
     }
-    let map = match settings.range {
-        Range::Published => {
-            let max = rest.iter().fold(0.0_f32, |m, x| if *x > m { *x } else { m });
-            LogOffset::published(max)?
-        }
-        Range::Fitted { lose } => LogOffset::fitted_losing(&rest, lose)?,
-    };
+    let max = rest.iter().fold(0.0_f32, |m, x| if *x > m { *x } else { m });
     let mut codes = vec![0; rest.len()];
+    let map = match settings.range {
+        Range::Published => LogOffset::published(max)?,
+        Range::Fitted { lose } => LogOffset::fitted_losing(&rest, lose)?,
+        Range::Roots => {
+            check_values("entry", &[max], 1, f32::is_finite)?;
+            for (code, x) in codes.iter_mut().zip(&rest) {
+                // Half up; entries are not above the largest.
+                *code = if max > 0.0 { (255.0 * math::sqrt(x / max) + 0.5) as u8 } else { 0 };
+            }
+            let value = |code: u16| max * (f32::from(code) / 255.0) * (f32::from(code) / 255.0);
+            return Ok(Coded { codes, kept, values: (0..256).map(value).collect() });
+        }
+    };
     map.encode_slice(&rest, &mut codes)?;
-    Ok(Coded { codes, kept, map })
+    Ok(Coded { codes, kept, values: map.values().to_vec() })
 }
 
 /// The matrix of codes with rows and columns exchanged.
@@ -253,7 +264,7 @@ impl BlockOperator {
         let rows = block_rows(n);
         let mut blocks = vec![[0; 8]; row_start(settings.half, rows, rows)];
         schedule.encode(&source, &mut blocks);
-        let mut values = coded.map.values().to_vec();
+        let mut values = coded.values.clone();
         if settings.measured {
             measure(&source, planes, &coded.kept, &blocks, &mut values);
         }

@@ -105,17 +105,17 @@ impl BlockOperator {
             let blocks = self.parts.blocks.get(row_start(HALF, rows, row)..).unwrap_or(&[]);
             let blocks = blocks.get(..if HALF { row + 1 } else { rows }).unwrap_or(&[]);
             let mut sums = [[0.0; ENTRIES]; 3];
-            let whole = if HALF { row } else { rows };
             for (column, (block, xc)) in blocks.iter().zip(sent.quads).enumerate() {
                 if *block == [0; 8] {
                     continue;
                 }
                 let values = decode::<V>(&self.lookup, *block);
                 add_rows(&mut sums, &values, xc);
-                if HALF && column < whole {
-                    if let Some(to) = columns.get_mut(column) {
-                        add_to_columns(to, &values, xr);
-                    }
+                if HALF
+                    && column < row
+                    && let Some(to) = columns.get_mut(column)
+                {
+                    add_to_columns(to, &values, xr);
                 }
             }
             for c in 0..3 {
@@ -154,11 +154,12 @@ impl BlockOperator {
             for c in 0..3 {
                 sum[c] += pick(&values, c) * x[c];
             }
-            if HALF && column / SIDE < row / SIDE {
-                if let Some(to) = columns.get_mut(column / SIDE) {
-                    for c in 0..3 {
-                        to[c][column % SIDE] += pick(&values, c) * here[c];
-                    }
+            if HALF
+                && column / SIDE < row / SIDE
+                && let Some(to) = columns.get_mut(column / SIDE)
+            {
+                for c in 0..3 {
+                    to[c][column % SIDE] += pick(&values, c) * here[c];
                 }
             }
         }

@@ -406,6 +406,20 @@ fn blocks_and_kept_entries_come_back() {
 }
 
 #[test]
+fn codes_of_roots_are_within_half_a_step() {
+    let (f, rho) = (part(70), albedo(70, 0.4));
+    let settings = Settings { keep: 0.0, ..Settings::bounced(1) };
+    let planes = super::matrix::Planes::new(&One, &f, &rho, &settings).unwrap();
+    let coded = super::encode::code(&planes, 70, &settings).unwrap();
+    let max = planes.channels[0].iter().fold(0.0_f32, |m, x| m.max(*x));
+    for (x, code) in planes.channels[0].iter().zip(&coded.codes) {
+        let root = 255.0 * f64::from(x / max).sqrt();
+        assert!((root - f64::from(*code)).abs() <= 0.5 + 1e-4);
+    }
+    assert!(coded.codes.contains(&255) && coded.kept.iter().all(|k| !k));
+}
+
+#[test]
 fn albedos_of_form_factors_can_change() {
     let (f, _) = cube(4);
     let n = f.len();
