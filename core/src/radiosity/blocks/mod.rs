@@ -1,8 +1,8 @@
 //! Transport matrices in texture blocks: the published codec of a precomputed operator, and what it becomes when mended.
 //!
 //! The published operator is M_k = A + A^2 + ... + A^k, A = R F, from radiosity B0 = R E_direct + emission \[W m^-2\] to the indirect radiosity of k bounces \[W m^-2\], three channels. It is compressed
-//! in five steps ([`encode`]): the largest 4 % of the entries are kept as they are; the rest becomes 8-bit codes of logarithms ([`crate::codec::log_offset`]); rows and columns are put in an order
-//! in which neighbours are alike ([`order`]); blocks of 4 x 4 codes become BC1 textures of 8 bytes ([`crate::codec::bc1`]); what was kept is a sparse matrix. A light is relit by one product.
+//! in five steps ([`BlockOperator::encode`]): the largest 4 % of the entries are kept as they are; the rest becomes 8-bit codes of logarithms ([`crate::codec::log_offset`]); rows and columns are put in an order
+//! in which neighbours are alike ([`greedy`], or [`crate::radiosity::order::kd`]); blocks of 4 x 4 codes become BC1 textures of 8 bytes ([`crate::codec::bc1`]); what was kept is a sparse matrix. A light is relit by one product.
 //!
 //! [`Settings::published`] is that, with nothing added. [`Settings::mended`] differs in each step, and [`Settings::bounced`] stores form factors alone, in one channel, and bounces when it is run:
 //!

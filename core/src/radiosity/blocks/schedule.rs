@@ -23,7 +23,7 @@ pub trait Schedule {
     /// Encodes all blocks: [`Source::encode_row`] for each row of them.
     fn encode(&self, source: &Source<'_>, blocks: &mut [Block]);
 
-    /// [`order::greedy`].
+    /// [`greedy`](super::greedy).
     fn greedy(&self, codes: &[u8], width: usize, order: &mut [u32]);
 }
 
