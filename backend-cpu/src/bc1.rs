@@ -4,6 +4,7 @@
 //! the operations are the same in each lane, and so are the bits.
 
 use etendue_core::codec::bc1::{self, Black, Block, LengthError, Quality, Texels};
+use etendue_core::radiosity::blocks::Source;
 use rayon::prelude::*;
 
 /// Blocks per task: fixed, so that nothing depends on the number of threads.
@@ -24,6 +25,15 @@ pub fn encode_blocks(
         return avx2::encode_blocks(texels, quality, black, out);
     }
     bc1::encode_blocks(texels, quality, black, out)
+}
+
+/// Encodes a row of an operator's blocks on this thread: the bits of core's own lanes.
+pub(crate) fn encode_row(source: &Source<'_>, row: usize, out: &mut [Block]) {
+    #[cfg(target_arch = "x86_64")]
+    if crate::simd::has_avx2() {
+        return source.encode_row(row, out, avx2::encode, etendue_core::codec::bc4::encode);
+    }
+    source.encode_row_portable(row, out);
 }
 
 /// Encodes blocks on the threads of the current pool: the bits of [`bc1::encode_blocks`].
@@ -192,6 +202,18 @@ mod avx2 {
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
     fn wide(texels: &[Texels], quality: Quality, black: Black, out: &mut [Block]) -> Result<(), LengthError> {
         bc1::encode_blocks_as::<Register>(texels, quality, black, out)
+    }
+
+    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    fn wide_one(texels: &Texels, weights: &[f32; 16], quality: Quality) -> Block {
+        bc1::encode_as::<Register>(texels, weights, quality, Black::Allowed)
+    }
+
+    /// Call it only where [`crate::simd::has_avx2`].
+    pub(super) fn encode(texels: &Texels, weights: &[f32; 16], quality: Quality) -> Block {
+        debug_assert!(crate::simd::has_avx2());
+        // SAFETY: the one caller has asked for the features that `wide_one` is compiled for.
+        unsafe { wide_one(texels, weights, quality) }
     }
 
     /// Call it only where [`crate::simd::has_avx2`].

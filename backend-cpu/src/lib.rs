@@ -4,6 +4,7 @@
 //! indices only, and films add integers.
 
 pub mod bc1;
+mod blocks;
 mod linear;
 pub mod linear_triangle;
 pub mod log_offset;

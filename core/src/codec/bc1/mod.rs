@@ -46,6 +46,7 @@ use score::Target;
 use search::Plan;
 
 pub(super) use lanes::Lanes as PortableLanes;
+pub(crate) use palette::{codes, widen, words};
 
 /// 16 texels, row by row; red, green, blue.
 pub type Texels = [[u8; 3]; 16];

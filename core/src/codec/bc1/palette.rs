@@ -62,7 +62,7 @@ const fn nvidia_green(a: u32, b: u32, part: i32) -> u32 {
 
 /// A 5-bit or 6-bit code as 8 bits, by bit replication.
 #[inline(always)]
-pub(super) const fn widen(code: u32, five: bool) -> u32 {
+pub(crate) const fn widen(code: u32, five: bool) -> u32 {
     if five { code << 3 | code >> 2 } else { code << 2 | code >> 4 }
 }
 
@@ -74,7 +74,7 @@ pub(super) const fn narrow(value: u32, five: bool) -> u32 {
 
 /// The codes of an endpoint: red, green, blue.
 #[inline(always)]
-pub(super) const fn codes(word: u32) -> [u32; 3] {
+pub(crate) const fn codes(word: u32) -> [u32; 3] {
     [word >> 11 & 31, word >> 5 & 63, word & 31]
 }
 
@@ -105,7 +105,7 @@ pub(super) fn palette(first: u32, second: u32, rule: Rule) -> [[u8; 4]; 4] {
 
 /// The words of a block: both endpoints (the first in the low half), and the indices (texel 0 in the lowest two bits).
 #[inline(always)]
-pub(super) const fn words(block: Block) -> [u32; 2] {
+pub(crate) const fn words(block: Block) -> [u32; 2] {
     let [a, b, c, d, e, f, g, h] = block;
     [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
 }
