@@ -6,6 +6,7 @@ use crate::tree::Tree;
 use etendue_core::backend::{BackendError, Control, FormFactorJob};
 use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{Clustering, Elements};
+use etendue_core::radiosity::form_factors::near::{self, NearPair, NearSettings};
 use etendue_core::radiosity::form_factors::reach::{self, From};
 use etendue_core::radiosity::form_factors::{Row, rays};
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings, Patches};
@@ -143,6 +144,41 @@ pub(crate) fn form_factors(
             .collect()
     });
     if stopped.into_inner() { Err(BackendError::Cancelled) } else { Ok(rows) }
+}
+
+widest! {
+    fn near_pair(ground: (&CompiledScene, &Tree, &PatchMap), pair: [u32; 2], settings: &NearSettings) -> NearPair {
+        let (scene, tree, map) = ground;
+        near::measure(scene, tree, (&map.elements, &map.patches), pair, settings)
+    }
+}
+
+/// Form factors of pairs.
+pub(crate) fn near_form_factors(
+    pool: &rayon::ThreadPool,
+    ground: (&CompiledScene, &Tree, &PatchMap),
+    pairs: &[[u32; 2]],
+    settings: &NearSettings,
+    control: &dyn Control,
+) -> Result<Vec<NearPair>, BackendError> {
+    let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
+    let all = pairs.len() as u64;
+    let found: Vec<NearPair> = pool.install(|| {
+        pairs
+            .par_iter()
+            .map(|pair| {
+                if stopped.load(Ordering::Relaxed) {
+                    return NearPair::default();
+                }
+                let found = near_pair(ground, *pair, settings);
+                if control.advance(done.fetch_add(1, Ordering::Relaxed) + 1, all).is_break() {
+                    stopped.store(true, Ordering::Relaxed);
+                }
+                found
+            })
+            .collect()
+    });
+    if stopped.into_inner() { Err(BackendError::Cancelled) } else { Ok(found) }
 }
 
 /// Weights of patches for all elements.
