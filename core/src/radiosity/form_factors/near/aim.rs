@@ -70,12 +70,11 @@ fn solid_angle(p: Vec3, vertices: [Vec3; 3], [u, v]: [f32; 2]) -> Option<(Vec3, 
         (length > 0.0).then(|| x / length)
     };
     let (a, b, c) = (unit(vertices[0] - p)?, unit(vertices[1] - p)?, unit(vertices[2] - p)?);
-    let (ab, bc, ca) = (unit(a.cross(b))?, unit(b.cross(c))?, unit(c.cross(a))?);
-    let corner = |x: Vec3, y: Vec3| math::acos((-x.dot(y)).clamp(-1.0, 1.0));
-    let (alpha, beta, gamma) = (corner(ab, ca), corner(bc, ab), corner(ca, bc));
-    let sum = alpha + beta + gamma;
-    let angle = sum - PI;
-    if angle.is_nan() || angle <= 1e-4 {
+    let (ab, ca) = (unit(a.cross(b))?, unit(c.cross(a))?);
+    let alpha = math::acos((-ab.dot(ca)).clamp(-1.0, 1.0));
+    // The sum of the angles less pi is this too, but loses all digits of a small one (A. van Oosterom and J. Strackee, 1983).
+    let angle = 2.0 * math::atan2(math::abs(a.dot(b.cross(c))), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+    if angle.is_nan() || angle <= 1e-6 {
         return None;
     }
     let (sin_alpha, cos_alpha) = math::sin_cos(alpha);

@@ -94,7 +94,7 @@ fn rays_to_a_triangle_count_its_form_factor_in_the_mean() {
         let mean = sum / f64::from(N);
         let stderr = ((squares / f64::from(N) - mean * mean) / f64::from(N)).sqrt();
         assert!(
-            (mean - truth).abs() < 4.0 * stderr + 1e-3 * truth,
+            (mean - truth).abs() < 4.0 * stderr + 1e-3 * truth + 1e-7,
             "{vertices:?}: {mean} +- {stderr}, {truth}"
         );
         assert!(stderr < 0.02 * truth, "few weights must not stand for all: {stderr} of {truth}");
