@@ -26,6 +26,8 @@ const WALKS: [u64; 2] = [1 << 14, 1 << 21];
 const TASK: u32 = 1 << 10;
 /// Replicate of the walks from infinity; that of the others is 0.
 const FROM_INFINITY: u32 = 1;
+/// Replicate of what looks around itself.
+const LOOK: u32 = 2;
 
 widest! {
     /// Walks of a range; whether any left the scene.
@@ -38,6 +40,13 @@ widest! {
             });
         }
         left
+    }
+}
+
+widest! {
+    fn looks(ground: (&CompiledScene, &Tree, &Elements), place: (u32, u32), infinity: bool, numbers: &Numbers, reached: &[bool]) -> bool {
+        let (scene, tree, elements) = ground;
+        reach::look((scene, tree), elements, place, infinity, numbers, |e| reached.get(e as usize).copied().unwrap_or(false))
     }
 }
 
@@ -71,10 +80,23 @@ fn reached(
     let inside = reach::has_inside(scene);
     let left = inside && run(From::Inside, 0);
     // What leaves can come in the same way.
-    if !inside || left || reach::has_infinity(scene) {
+    let infinity = !inside || left || reach::has_infinity(scene);
+    if infinity {
         run(From::Infinity, FROM_INFINITY);
     }
-    reached.into_iter().map(AtomicBool::into_inner).collect()
+    let met: Vec<bool> = reached.into_iter().map(AtomicBool::into_inner).collect();
+    // All look at what walks have met, not at each other's finds: one leak must not open a whole inside.
+    let (owners, numbers) = (elements.owners(), Numbers::sobol(seed, LOOK));
+    pool.install(|| {
+        (0..met.len())
+            .into_par_iter()
+            .map(|element| {
+                let place = (element as u32, owners[element % owners.len()]);
+                let numbers = numbers.with_index(element as u32);
+                met[element] || looks((scene, tree, elements), place, infinity, &numbers, &met)
+            })
+            .collect()
+    })
 }
 
 /// The patches of a scene.

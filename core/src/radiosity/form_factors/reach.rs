@@ -1,11 +1,12 @@
 //! Which sides of surfaces light can get to at all.
 //!
 //! Solids have insides, and as patches these would be half of all numbers for nothing. Diffuse walks from where light and eyes are mark what they
-//! meet; what no walk meets is asked for no further, unless it lies among what is met.
+//! meet. What no walk meets looks around itself ([`look`]), since walks are few and miss what is small in a large scene; what then sees neither what is met nor
+//! infinity (where light comes from there) is asked for no further, unless it lies among what is met.
 
 use super::rays::side_of;
 use crate::bsdf::diffuse;
-use crate::geometry::{Intersector, Ray, offset_origin};
+use crate::geometry::{Intersector, Ray, hit_point_with, offset_origin};
 use crate::illumination::Elements;
 use crate::light::emit;
 use crate::math::Vec3;
@@ -18,6 +19,8 @@ const HITS: u32 = 24;
 const START_GROUP: u32 = 0;
 const PICK_GROUP: u32 = 1;
 const WALK_GROUP: u32 = 2;
+/// Rays of an element that looks around itself.
+const LOOKS: u32 = 16;
 
 /// Where walks begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,4 +83,34 @@ pub fn walk<I: Intersector + ?Sized>(
         ray = Ray { origin, direction, t_max: f32::INFINITY };
     }
     false
+}
+
+/// Whether an element side of a triangle sees what is `reached`, or infinity where that counts.
+#[inline(always)]
+pub fn look<I: Intersector + ?Sized>(
+    (scene, intersector): (&CompiledScene, &I),
+    elements: &Elements,
+    (element, triangle): (u32, u32),
+    infinity: bool,
+    numbers: &Numbers,
+    reached: impl Fn(u32) -> bool,
+) -> bool {
+    let (Some(vertices), Some(record)) =
+        (scene.primitives().vertices(triangle), scene.surfaces.get(triangle as usize))
+    else {
+        return false;
+    };
+    let front = Vec3::from_array(record.normal);
+    let normal = if elements.is_back(element) { -front } else { front };
+    (0..LOOKS).any(|k| {
+        let [a, b, u, v] = numbers.group4(k);
+        let [b1, b2] = elements.bary_on(triangle, element, [a, b]);
+        let direction = diffuse::sample(normal, [u, v]);
+        let origin = offset_origin(&hit_point_with(vertices, b1, b2, record.sliver), normal, direction);
+        let ray = Ray { origin, direction, t_max: f32::INFINITY };
+        match intersector.closest_hit(&ray) {
+            None => infinity,
+            Some(hit) => side_of(scene, elements, &ray, &hit).is_some_and(&reached),
+        }
+    })
 }
