@@ -67,7 +67,7 @@ fn form_factors(path: &Path, lamp: bool, wanted: &[(&str, f32, &str, f32)]) -> V
     let of = |name: &str, side: f32| -> Vec<u32> {
         (0..list.len() as u32).filter(|i| is_on(&list[*i as usize], &surfaces[name], side)).collect()
     };
-    let settings = NearSettings { seed: 4, points: 256 };
+    let settings = NearSettings { seed: 4, points: 1024 };
     wanted
         .iter()
         .map(|(from, a, to, b)| {

@@ -44,9 +44,9 @@ widest! {
 }
 
 widest! {
-    fn looks(ground: (&CompiledScene, &Tree, &Elements), place: (u32, u32), infinity: bool, numbers: &Numbers, reached: &[bool]) -> bool {
+    fn sees_infinity(ground: (&CompiledScene, &Tree, &Elements), place: (u32, u32), numbers: &Numbers) -> bool {
         let (scene, tree, elements) = ground;
-        reach::look((scene, tree), elements, place, infinity, numbers, |e| reached.get(e as usize).copied().unwrap_or(false))
+        reach::sees_infinity(scene, tree, elements, place, numbers)
     }
 }
 
@@ -85,7 +85,9 @@ fn reached(
         run(From::Infinity, FROM_INFINITY);
     }
     let met: Vec<bool> = reached.into_iter().map(AtomicBool::into_inner).collect();
-    // All look at what walks have met, not at each other's finds: one leak must not open a whole inside.
+    if !infinity {
+        return met;
+    }
     let (owners, numbers) = (elements.owners(), Numbers::sobol(seed, LOOK));
     pool.install(|| {
         (0..met.len())
@@ -93,7 +95,7 @@ fn reached(
             .map(|element| {
                 let place = (element as u32, owners[element % owners.len()]);
                 let numbers = numbers.with_index(element as u32);
-                met[element] || looks((scene, tree, elements), place, infinity, &numbers, &met)
+                met[element] || sees_infinity((scene, tree, elements), place, &numbers)
             })
             .collect()
     })

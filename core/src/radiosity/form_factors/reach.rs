@@ -1,8 +1,8 @@
 //! Which sides of surfaces light can get to at all.
 //!
 //! Solids have insides, and as patches these would be half of all numbers for nothing. Diffuse walks from where light and eyes are mark what they
-//! meet. What no walk meets looks around itself ([`look`]), since walks are few and miss what is small in a large scene; what then sees neither what is met nor
-//! infinity (where light comes from there) is asked for no further, unless it lies among what is met.
+//! meet. Walks from infinity are few, and miss what is small in a large scene: where light comes from there, what they have not met is asked whether it sees
+//! the sky ([`sees_infinity`]). The rest is asked for no further, unless it lies among what is met.
 
 use super::rays::side_of;
 use crate::bsdf::diffuse;
@@ -85,15 +85,16 @@ pub fn walk<I: Intersector + ?Sized>(
     false
 }
 
-/// Whether an element side of a triangle sees what is `reached`, or infinity where that counts.
+/// Whether any ray from an element side of a triangle meets nothing.
+///
+/// To ask for what is met instead would not do: an element of a floor that lies partly under a box is met, and seen by all of the box's inside.
 #[inline(always)]
-pub fn look<I: Intersector + ?Sized>(
-    (scene, intersector): (&CompiledScene, &I),
+pub fn sees_infinity<I: Intersector + ?Sized>(
+    scene: &CompiledScene,
+    intersector: &I,
     elements: &Elements,
     (element, triangle): (u32, u32),
-    infinity: bool,
     numbers: &Numbers,
-    reached: impl Fn(u32) -> bool,
 ) -> bool {
     let (Some(vertices), Some(record)) =
         (scene.primitives().vertices(triangle), scene.surfaces.get(triangle as usize))
@@ -107,10 +108,6 @@ pub fn look<I: Intersector + ?Sized>(
         let [b1, b2] = elements.bary_on(triangle, element, [a, b]);
         let direction = diffuse::sample(normal, [u, v]);
         let origin = offset_origin(&hit_point_with(vertices, b1, b2, record.sliver), normal, direction);
-        let ray = Ray { origin, direction, t_max: f32::INFINITY };
-        match intersector.closest_hit(&ray) {
-            None => infinity,
-            Some(hit) => side_of(scene, elements, &ray, &hit).is_some_and(&reached),
-        }
+        intersector.closest_hit(&Ray { origin, direction, t_max: f32::INFINITY }).is_none()
     })
 }
