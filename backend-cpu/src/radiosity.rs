@@ -6,6 +6,7 @@ use crate::tree::Tree;
 use etendue_core::backend::{BackendError, Control, FormFactorJob};
 use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{Clustering, Elements};
+use etendue_core::radiosity::form_factors::near::{self, NearPair, NearSettings};
 use etendue_core::radiosity::form_factors::reach::{self, From};
 use etendue_core::radiosity::form_factors::{Row, rays};
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings, Patches};
@@ -32,6 +33,8 @@ const NEAR: f32 = 0.5;
 const TASK: u32 = 1 << 10;
 /// Replicate of the walks from infinity; that of the others is 0.
 const FROM_INFINITY: u32 = 1;
+/// Replicate of what looks around itself.
+const LOOK: u32 = 2;
 
 widest! {
     /// Walks of a range; how many left the scene.
@@ -44,6 +47,13 @@ widest! {
             }));
         }
         left
+    }
+}
+
+widest! {
+    fn sees_infinity(ground: (&CompiledScene, &Tree, &Elements), place: (u32, u32), numbers: &Numbers) -> bool {
+        let (scene, tree, elements) = ground;
+        reach::sees_infinity(scene, tree, elements, place, numbers)
     }
 }
 
@@ -77,10 +87,25 @@ fn reached(
     let inside = reach::has_inside(scene);
     let left = if inside { run(From::Inside, 0) } else { 0 };
     // What leaves can come in the same way.
-    if !inside || f64::from(left) > CRACK * f64::from(count) || reach::has_infinity(scene) {
+    let infinity = !inside || f64::from(left) > CRACK * f64::from(count) || reach::has_infinity(scene);
+    if infinity {
         run(From::Infinity, FROM_INFINITY);
     }
-    reached.into_iter().map(AtomicBool::into_inner).collect()
+    let met: Vec<bool> = reached.into_iter().map(AtomicBool::into_inner).collect();
+    if !infinity {
+        return met;
+    }
+    let (owners, numbers) = (elements.owners(), Numbers::sobol(seed, LOOK));
+    pool.install(|| {
+        (0..met.len())
+            .into_par_iter()
+            .map(|element| {
+                let place = (element as u32, owners[element % owners.len()]);
+                let numbers = numbers.with_index(element as u32);
+                met[element] || sees_infinity((scene, tree, elements), place, &numbers)
+            })
+            .collect()
+    })
 }
 
 /// The patches of a scene.
@@ -154,6 +179,41 @@ pub(crate) fn form_factors(
             .collect()
     });
     if stopped.into_inner() { Err(BackendError::Cancelled) } else { Ok(rows) }
+}
+
+widest! {
+    fn near_pair(ground: (&CompiledScene, &Tree, &PatchMap), pair: [u32; 2], settings: &NearSettings) -> NearPair {
+        let (scene, tree, map) = ground;
+        near::measure(scene, tree, (&map.elements, &map.patches), pair, settings)
+    }
+}
+
+/// Form factors of pairs.
+pub(crate) fn near_form_factors(
+    pool: &rayon::ThreadPool,
+    ground: (&CompiledScene, &Tree, &PatchMap),
+    pairs: &[[u32; 2]],
+    settings: &NearSettings,
+    control: &dyn Control,
+) -> Result<Vec<NearPair>, BackendError> {
+    let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
+    let all = pairs.len() as u64;
+    let found: Vec<NearPair> = pool.install(|| {
+        pairs
+            .par_iter()
+            .map(|pair| {
+                if stopped.load(Ordering::Relaxed) {
+                    return NearPair::default();
+                }
+                let found = near_pair(ground, *pair, settings);
+                if control.advance(done.fetch_add(1, Ordering::Relaxed) + 1, all).is_break() {
+                    stopped.store(true, Ordering::Relaxed);
+                }
+                found
+            })
+            .collect()
+    });
+    if stopped.into_inner() { Err(BackendError::Cancelled) } else { Ok(found) }
 }
 
 /// Weights of patches for all elements.

@@ -15,6 +15,7 @@ use etendue_core::geometry::SurfacePoint;
 use etendue_core::illumination::{ElementSettings, Elements, Sides};
 use etendue_core::math::Vec3;
 use etendue_core::radiosity::form_factors::Row;
+use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
 use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace};
 use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
@@ -401,6 +402,16 @@ impl Session for CpuSession {
         control: &dyn Control,
     ) -> Result<Vec<Row>, BackendError> {
         radiosity::form_factors(&self.pool, (&self.scene, &self.tree), map, job, control)
+    }
+
+    fn near_form_factors(
+        &self,
+        map: &PatchMap,
+        pairs: &[[u32; 2]],
+        settings: &NearSettings,
+        control: &dyn Control,
+    ) -> Result<Vec<NearPair>, BackendError> {
+        radiosity::near_form_factors(&self.pool, (&self.scene, &self.tree, map), pairs, settings, control)
     }
 
     fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {

@@ -10,6 +10,7 @@ use crate::illumination::{self, ElementSettings, Elements, Sides};
 use crate::kernel::Kernel;
 use crate::math::Vec3;
 use crate::radiosity::form_factors::Row;
+use crate::radiosity::form_factors::near::{NearPair, NearSettings};
 use crate::radiosity::patches::{PatchMap, PatchSettings};
 use crate::radiosity::polynomial;
 use crate::radiosity::relight::{self, RelightError, Relighter, Symmetric, Workspace};
@@ -557,6 +558,21 @@ pub trait Session: Send + Sync {
     ) -> Result<Vec<Row>, BackendError> {
         let _ = (map, job, control);
         Err(BackendError::Unsupported { backend: "chosen", what: "form factors".into() })
+    }
+
+    /// Form factors of single pairs of patches, in their order; see [`crate::radiosity::form_factors::near`].
+    ///
+    /// # Errors
+    /// When the control cancels, or the backend has no patches.
+    fn near_form_factors(
+        &self,
+        map: &PatchMap,
+        pairs: &[[u32; 2]],
+        settings: &NearSettings,
+        control: &dyn Control,
+    ) -> Result<Vec<NearPair>, BackendError> {
+        let _ = (map, pairs, settings, control);
+        Err(BackendError::Unsupported { backend: "chosen", what: "form factors of pairs".into() })
     }
 
     /// How numbers of patches become numbers of elements; see [`crate::radiosity::transfer`].

@@ -386,10 +386,21 @@ impl Elements {
     #[inline]
     pub fn bary_on(&self, primitive: u32, element: u32, u: [f32; 2]) -> [f32; 2] {
         let [_, l1, l2] = crate::sampling::warp::sample_triangle(u);
+        self.in_cell(primitive, self.cell_of(primitive, element), [l1, l2])
+    }
+
+    #[inline]
+    fn cell_of(&self, primitive: u32, element: u32) -> u32 {
         let first = self.places.get(primitive as usize).map_or(0, |p| p.first);
         let index = if self.is_back(element) { element - self.areas.len() as u32 } else { element };
-        let cell = index.checked_sub(first).filter(|c| *c < self.cells(primitive)).unwrap_or(0);
-        self.in_cell(primitive, cell, [l1, l2])
+        index.checked_sub(first).filter(|c| *c < self.cells(primitive)).unwrap_or(0)
+    }
+
+    /// Corners of one of a triangle's elements (of either side) of the constant basis, as barycentrics of the triangle's vertices 1 and 2, in the triangle's own turn. Elements that
+    /// are not the triangle's count as its first.
+    pub fn corners_on(&self, primitive: u32, element: u32) -> [[f32; 2]; 3] {
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
+            .map(|local| self.in_cell(primitive, self.cell_of(primitive, element), local))
     }
 
     /// The triangle of each element of one side, slivers that count for another's element aside; [`NO_INDEX`](crate::scene::NO_INDEX) for those of round shapes and under the linear basis.

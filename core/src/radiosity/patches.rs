@@ -6,7 +6,7 @@
 //!
 //! Quantities per patch: area \[m^2\], the mean of place and normal by area, albedo, and what the surface itself emits (radiosity, \[W/m^2\]).
 
-use crate::geometry::{Hit, SurfacePoint, hit_point_with};
+use crate::geometry::{Hit, SurfacePoint, hit_point_with, interpolate};
 use crate::illumination::{Basis, Clusters, ElementSettings, Elements, NO_CLUSTER, Sides};
 use crate::math::{self, PI, Vec3};
 use crate::sampling::discrete::{IntegerCdf, pick_in};
@@ -59,6 +59,28 @@ pub struct PatchMap {
     pub elements: Arc<Elements>,
     /// Patches of them.
     pub patches: Patches,
+}
+
+/// A triangle of a patch: one element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MemberTriangle {
+    /// Its corners \[m\].
+    pub vertices: [Vec3; 3],
+    /// Unit normal of the side that receives.
+    pub normal: Vec3,
+    /// Corners of the whole triangle that it is a part of \[m\].
+    pub whole: [Vec3; 3],
+    /// By how much that one's extent counts more because it is thin, as [`crate::geometry::sliver_factor`].
+    pub sliver: f32,
+}
+
+impl MemberTriangle {
+    /// The extent of a point on it, as that of a [`SurfacePoint`] \[m\].
+    #[inline]
+    pub fn reach(&self, point: Vec3) -> f32 {
+        let farthest = self.whole.into_iter().fold(0.0_f32, |m, v| m.max((v - point).dot(v - point)));
+        math::sqrt(farthest) * self.sliver
+    }
 }
 
 /// How a scene becomes patches.
@@ -210,6 +232,32 @@ impl Patches {
         let point = hit_point_with(scene.primitives().vertices(primitive)?, b1, b2, record.sliver);
         let front = Vec3::from_array(record.normal);
         Some((point, if elements.is_back(element) { -front } else { front }))
+    }
+
+    /// The triangles of a patch, one for each member; those of slivers that count for a member are left out. None beyond the last patch.
+    pub fn triangles<'a>(
+        &'a self,
+        scene: &'a CompiledScene,
+        elements: &'a Elements,
+        patch: usize,
+    ) -> impl Iterator<Item = MemberTriangle> + 'a {
+        let range = match (self.first.get(patch), self.first.get(patch + 1)) {
+            (Some(a), Some(b)) => *a as usize..*b as usize,
+            _ => 0..0,
+        };
+        self.members[range.clone()].iter().zip(&self.primitives[range]).filter_map(|(element, primitive)| {
+            let whole = scene.primitives().vertices(*primitive)?;
+            let record = scene.surfaces.get(*primitive as usize)?;
+            let front = Vec3::from_array(record.normal);
+            Some(MemberTriangle {
+                vertices: elements
+                    .corners_on(*primitive, *element)
+                    .map(|[b1, b2]| interpolate(whole, b1, b2)),
+                normal: if elements.is_back(*element) { -front } else { front },
+                whole,
+                sliver: record.sliver,
+            })
+        })
     }
 
     /// Numbers per patch as numbers per element; 0 for elements of no patch.

@@ -1,5 +1,6 @@
 //! One number for each pair of patches from what both rows counted.
 
+use super::near::NearPair;
 use super::{Row, start};
 use crate::radiosity::patches::NO_PATCH;
 use alloc::vec::Vec;
@@ -68,6 +69,14 @@ pub struct FormFactors {
 /// # Errors
 /// [`RowError`].
 pub fn assemble(areas: &[f32], rows: &[Row]) -> Result<FormFactors, RowError> {
+    assemble_with(areas, rows, &[])
+}
+
+/// The same, but for the pairs of `near`, which are as they are given; of a pair that is given twice the last counts.
+///
+/// # Errors
+/// [`RowError`], pairs of patches that are not there among them.
+pub fn assemble_with(areas: &[f32], rows: &[Row], near: &[NearPair]) -> Result<FormFactors, RowError> {
     let n = areas.len();
     if rows.len() != n {
         return Err(RowError::WrongLength { found: rows.len(), expected: n });
@@ -87,6 +96,17 @@ pub fn assemble(areas: &[f32], rows: &[Row]) -> Result<FormFactors, RowError> {
             half[start(high) + low] += count as f32;
         }
     }
+    let place = |pair: &NearPair| {
+        let [i, j] = pair.patches.map(|p| p as usize);
+        start(i.max(j)) + i.min(j)
+    };
+    for pair in near {
+        let [i, j] = pair.patches;
+        if let Some(patch) = [i, j].into_iter().find(|p| *p as usize >= n) {
+            return Err(RowError::UnknownPatch { row: i.min(j) as usize, patch });
+        }
+        half[place(pair)] = 0.0;
+    }
     let density: Vec<f64> =
         rows.iter().zip(areas).map(|(row, area)| f64::from(row.rays) / f64::from(*area)).collect();
     let mut variance = alloc::vec![0.0_f64; n];
@@ -102,6 +122,21 @@ pub fn assemble(areas: &[f32], rows: &[Row]) -> Result<FormFactors, RowError> {
             if i != j {
                 variance[j] += spread;
             }
+        }
+    }
+    // Pairs that are given twice must not count twice.
+    let mut given: Vec<(usize, usize)> = near.iter().enumerate().map(|(k, p)| (place(p), k)).collect();
+    given.sort_unstable();
+    for (k, (at, which)) in given.iter().enumerate() {
+        if given.get(k + 1).is_some_and(|next| next.0 == *at) {
+            continue;
+        }
+        let pair = &near[*which];
+        half[*at] = pair.flux as f32;
+        let [i, j] = pair.patches.map(|p| p as usize);
+        variance[i] += pair.stderr * pair.stderr;
+        if i != j {
+            variance[j] += pair.stderr * pair.stderr;
         }
     }
     let share = |count: u32, row: &Row| (f64::from(count) / f64::from(row.rays)) as f32;

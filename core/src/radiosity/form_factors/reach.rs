@@ -1,11 +1,12 @@
 //! Which sides of surfaces light can get to at all.
 //!
 //! Solids have insides, and as patches these would be half of all numbers for nothing. Diffuse walks from where light and eyes are mark what they
-//! meet; what no walk meets is asked for no further, unless it lies among what is met.
+//! meet. Walks from infinity are few, and miss what is small in a large scene: where light comes from there, what they have not met is asked whether it sees
+//! the sky ([`sees_infinity`]). The rest is asked for no further, unless it lies among what is met.
 
 use super::rays::side_of;
 use crate::bsdf::diffuse;
-use crate::geometry::{Intersector, Ray, SurfacePoint, offset_origin};
+use crate::geometry::{Intersector, Ray, SurfacePoint, hit_point_with, offset_origin};
 use crate::illumination::{ElementPlace, Elements};
 use crate::light::emit;
 use crate::math::{self, Vec3};
@@ -18,6 +19,8 @@ const HITS: u32 = 24;
 const START_GROUP: u32 = 0;
 const PICK_GROUP: u32 = 1;
 const WALK_GROUP: u32 = 2;
+/// Rays of an element that looks around itself.
+const LOOKS: u32 = 16;
 
 /// Where walks begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,4 +105,31 @@ pub fn walk<I: Intersector + ?Sized>(
         ray = Ray { origin, direction, t_max: f32::INFINITY };
     }
     false
+}
+
+/// Whether any ray from an element side of a triangle meets nothing.
+///
+/// To ask for what is met instead would not do: an element of a floor that lies partly under a box is met, and seen by all of the box's inside.
+#[inline(always)]
+pub fn sees_infinity<I: Intersector + ?Sized>(
+    scene: &CompiledScene,
+    intersector: &I,
+    elements: &Elements,
+    (element, triangle): (u32, u32),
+    numbers: &Numbers,
+) -> bool {
+    let (Some(vertices), Some(record)) =
+        (scene.primitives().vertices(triangle), scene.surfaces.get(triangle as usize))
+    else {
+        return false;
+    };
+    let front = Vec3::from_array(record.normal);
+    let normal = if elements.is_back(element) { -front } else { front };
+    (0..LOOKS).any(|k| {
+        let [a, b, u, v] = numbers.group4(k);
+        let [b1, b2] = elements.bary_on(triangle, element, [a, b]);
+        let direction = diffuse::sample(normal, [u, v]);
+        let origin = offset_origin(&hit_point_with(vertices, b1, b2, record.sliver), normal, direction);
+        intersector.closest_hit(&Ray { origin, direction, t_max: f32::INFINITY }).is_none()
+    })
 }
