@@ -7,11 +7,10 @@ mod common;
 use common::root;
 use etendue::core::backend::{Probe, Session};
 use etendue::core::radiosity::patches::PatchSettings;
-use etendue::core::radiosity::relight::Workspace;
 use etendue::core::scene::{LightDesc, SceneDesc, compile};
 use etendue::cpu::{CpuBackend, CpuSession};
 use etendue::driver::radiosity::{
-    BakeSettings, Baked, Codec, RadiosityView, bake, map_probes, patch_light, radiosity_map, relight,
+    BakeSettings, Baked, Codec, RadiosityView, Rooms, bake, map_probes, patch_light, radiosity_map, relight,
 };
 use etendue::driver::{self, Budget, OpenError, Settings, Silent, open_operator, operator_file};
 use etendue::io::{encode_operator, load_scene, parse_operator};
@@ -45,8 +44,8 @@ fn the_codec_keeps_its_error_and_its_energy() {
         let full = baked(&session, 1000, Codec::F32);
         assert!(full.error.rms < 0.005 && full.error.energy < 5e-3, "{file}: {:?}", full.error);
         let small = baked(&session, 1000, Codec::Auto { max_error: 0.02 });
-        let n = small.operator.relighter.len() as f64;
-        let [a, b] = [&full, &small].map(|x| x.operator.relighter.bytes() as f64 / (n * n));
+        let n = small.operator.map.patches.len() as f64;
+        let [a, b] = [&full, &small].map(|x| x.operator.bytes() as f64 / (n * n));
         println!("{file}: {n} patches, {a:.3} and {b:.3} bytes a pair, {:?}", small.error);
         assert!(small.error.rms <= 0.02 && small.error.energy < 0.015, "{file}: {:?}", small.error);
         assert!(b < 0.25 * a, "{file}: {b} bytes a pair, {a} in f32");
@@ -58,7 +57,7 @@ fn probes_from_an_operator_agree_with_paths() {
     let session = open(&load("cornell/closed.toml"));
     let made = baked(&session, 1500, Codec::Auto { max_error: 0.01 });
     let light = patch_light(&session, &made.operator, 1, &Silent).unwrap();
-    let indirect = relight(&session, &made.operator, &light, &mut Workspace::default()).unwrap();
+    let indirect = relight(&session, &made.operator, &light, &mut Rooms::default()).unwrap();
     let values = radiosity_map(&session, &made.operator, &light, &indirect).unwrap();
     let probes: Vec<Probe> = [
         ([2.7, 2.0, 5.592], [0.0, 0.0, -1.0]),
@@ -111,13 +110,13 @@ fn a_file_brings_the_operator_back() {
     for desc in [&desc, &lit] {
         let session = open(desc);
         let operator = open_operator(back(), &session).unwrap();
-        assert_eq!(operator.relighter, made.operator.relighter);
+        assert_eq!(operator.transport, made.operator.transport);
         assert_eq!(operator.map.patches, made.operator.map.patches);
         assert_eq!(operator.map.elements, made.operator.map.elements);
         assert_eq!(operator.escaped, made.operator.escaped);
         let light = |operator| {
             let light = patch_light(&session, operator, 1, &Silent).unwrap();
-            relight(&session, operator, &light, &mut Workspace::default()).unwrap()
+            relight(&session, operator, &light, &mut Rooms::default()).unwrap()
         };
         let found = light(&operator);
         assert_eq!(found, light(&made.operator));

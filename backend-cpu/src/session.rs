@@ -14,8 +14,9 @@ use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::SurfacePoint;
 use etendue_core::illumination::{ElementSettings, Elements, Sides};
 use etendue_core::math::Vec3;
-use etendue_core::radiosity::form_factors::Row;
+use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
 use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
+use etendue_core::radiosity::form_factors::{FormFactors, Row};
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
 use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace};
 use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
@@ -432,6 +433,25 @@ impl Session for CpuSession {
 
     fn with_coarse(&self, relighter: Relighter, rates: Rates) -> Result<Relighter, RelightError> {
         relighter.with_coarse(&Linear::on(self.pool.clone()), rates)
+    }
+
+    fn encode_blocks(
+        &self,
+        form_factors: &FormFactors,
+        albedo: &[[f32; 3]],
+        settings: &blocks::Settings<'_>,
+    ) -> Result<BlockOperator, BlockError> {
+        BlockOperator::encode(&Linear::on(self.pool.clone()), form_factors, albedo, settings)
+    }
+
+    fn relight_blocks(
+        &self,
+        operator: &BlockOperator,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        room: &mut blocks::Workspace,
+    ) -> Result<(), BlockError> {
+        operator.relight(&Linear::on(self.pool.clone()), light, indirect, room)
     }
 
     fn relight(

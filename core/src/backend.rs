@@ -9,8 +9,9 @@ use crate::film::{Film, FilmError, FilmSettings, scale_exponent};
 use crate::illumination::{self, ElementSettings, Elements, Sides};
 use crate::kernel::Kernel;
 use crate::math::Vec3;
-use crate::radiosity::form_factors::Row;
+use crate::radiosity::blocks::{self, BlockError, BlockOperator};
 use crate::radiosity::form_factors::near::{NearPair, NearSettings};
+use crate::radiosity::form_factors::{FormFactors, Row};
 use crate::radiosity::patches::{PatchMap, PatchSettings};
 use crate::radiosity::polynomial;
 use crate::radiosity::relight::{self, RelightError, Relighter, Symmetric, Workspace};
@@ -626,6 +627,33 @@ pub trait Session: Send + Sync {
         room: &mut Workspace,
     ) -> Result<(), RelightError> {
         relighter.relight(&relight::Portable, light, indirect, passes, room)
+    }
+
+    /// Form factors in texture blocks; see [`BlockOperator::encode`].
+    ///
+    /// # Errors
+    /// As there.
+    fn encode_blocks(
+        &self,
+        form_factors: &FormFactors,
+        albedo: &[[f32; 3]],
+        settings: &blocks::Settings<'_>,
+    ) -> Result<BlockOperator, BlockError> {
+        BlockOperator::encode(&polynomial::Portable, form_factors, albedo, settings)
+    }
+
+    /// Indirect light by texture blocks; see [`BlockOperator::relight`], whose bits these are.
+    ///
+    /// # Errors
+    /// Of numbers that do not fit.
+    fn relight_blocks(
+        &self,
+        operator: &BlockOperator,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        room: &mut blocks::Workspace,
+    ) -> Result<(), BlockError> {
+        operator.relight(&polynomial::Portable, light, indirect, room)
     }
 
     /// The same to convergence; see [`Relighter::converge`].

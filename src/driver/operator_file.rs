@@ -1,7 +1,7 @@
 //! Operators to files and back.
 
 use super::radiosity::{BakeSettings, Baked, Codec, Operator};
-use crate::io::{OperatorFile, OperatorInfo, Transport, transport_hash};
+use crate::io::{OperatorFile, OperatorInfo, transport_hash};
 use etendue_core::backend::Session;
 use etendue_core::illumination::Clusters;
 use etendue_core::radiosity::patches::{PatchMap, Patches};
@@ -55,6 +55,9 @@ pub fn operator_file(baked: &Baked, settings: &BakeSettings, scene: &CompiledSce
         Codec::Tiles => ("tiles", None),
         Codec::F16 => ("f16", None),
         Codec::F32 => ("f32", None),
+        Codec::Published { .. } => ("published", None),
+        Codec::Bc1 { .. } => ("bc1", None),
+        Codec::Bc4 { .. } => ("bc4", None),
     };
     OperatorFile {
         info: OperatorInfo {
@@ -64,7 +67,10 @@ pub fn operator_file(baked: &Baked, settings: &BakeSettings, scene: &CompiledSce
             rays_per_patch: settings.rays,
             rays: baked.rays,
             seed: settings.patches.seed,
-            bounces: settings.bounces,
+            bounces: match settings.codec {
+                Codec::Published { bounces, .. } => bounces,
+                _ => settings.bounces,
+            },
             passes: operator.passes,
             codec: codec.into(),
             max_error,
@@ -74,7 +80,7 @@ pub fn operator_file(baked: &Baked, settings: &BakeSettings, scene: &CompiledSce
         patches: operator.map.patches.list().to_vec(),
         of: operator.map.patches.of().to_vec(),
         escaped: operator.escaped.clone(),
-        transport: Transport::Tiles(operator.relighter.clone()),
+        transport: operator.transport.clone(),
     }
 }
 
@@ -100,10 +106,9 @@ pub fn open_operator(file: OperatorFile, session: &dyn Session) -> Result<Operat
         let patch = same.unwrap_or(patches.len().min(file.patches.len()));
         return Err(OpenError::Patch { patch });
     }
-    let Transport::Tiles(relighter) = file.transport;
     Ok(Operator {
         map: PatchMap { elements, patches },
-        relighter,
+        transport: file.transport,
         escaped: file.escaped,
         passes: file.info.passes,
     })

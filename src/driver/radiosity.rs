@@ -5,6 +5,7 @@ use etendue_core::backend::{self, BackendError, FormFactorJob, GivenMap, Probe, 
 use etendue_core::film::Film;
 use etendue_core::illumination::ElementSettings;
 use etendue_core::math::PI;
+use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator, Matrix};
 use etendue_core::radiosity::form_factors::{self, Balance, FormFactors, Row, RowError};
 use etendue_core::radiosity::order;
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
@@ -27,6 +28,8 @@ const PASSES_MOST: u32 = 12;
 const PASSES_SHARE: f64 = 0.6;
 /// What passes may leave where form factors are stored as they are.
 const FULL_ERROR: f64 = 0.005;
+/// Most plain bounces.
+const BOUNCES_MOST: u32 = 200;
 /// When irradiance stands: passes at most, and relative change of one.
 const STANDS: (u32, f64) = (200, 2e-7);
 
@@ -44,6 +47,86 @@ pub enum Codec {
     F16,
     /// f32.
     F32,
+    /// As published: the sum of the powers of so many bounces, its largest entries kept, the rest as logarithms in BC1.
+    Published {
+        /// Bounces; `None`: all.
+        bounces: Option<u32>,
+        /// Share of entries kept.
+        keep: f32,
+        /// Order of rows and columns.
+        order: Order,
+    },
+    /// The same with all bounces, colours outside, and each loss mended.
+    Bc1 {
+        /// Share of entries kept.
+        keep: f32,
+    },
+    /// Form factors in BC4, bounced when run.
+    Bc4 {
+        /// Share of entries kept.
+        keep: f32,
+    },
+}
+
+/// Orders of the published codec.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// That of voxels.
+    Voxels,
+    /// By halves in six dimensions.
+    Kd,
+    /// Each row after the one that is most like it.
+    Greedy1,
+    /// Then columns the same way.
+    Greedy2,
+}
+
+/// How light gets from patch to patch.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Transport {
+    /// Form factors in tiles.
+    Tiles(Relighter),
+    /// Texture blocks.
+    Blocks(BlockOperator),
+}
+
+/// Room for relighting.
+#[derive(Clone, Debug, Default)]
+pub struct Rooms {
+    tiles: Workspace,
+    blocks: blocks::Workspace,
+}
+
+impl Transport {
+    /// Bytes of everything a relighting reads.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Tiles(t) => t.bytes(),
+            Self::Blocks(b) => b.bytes(),
+        }
+    }
+
+    /// Indirect irradiance \[W/m^2\] from direct irradiance and emission. Of the published codec, which gives radiosity, black patches get none.
+    ///
+    /// # Errors
+    /// Of numbers that do not fit.
+    pub fn relight(
+        &self,
+        session: &dyn Session,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        passes: u32,
+        rooms: &mut Rooms,
+    ) -> Result<(), BakeError> {
+        match self {
+            Self::Tiles(t) => session.relight(t, light, indirect, passes, &mut rooms.tiles)?,
+            Self::Blocks(b) => {
+                session.relight_blocks(b, light, indirect, &mut rooms.blocks)?;
+                b.to_irradiance(indirect);
+            }
+        }
+        Ok(())
+    }
 }
 
 /// How to bake.
@@ -85,6 +168,9 @@ pub enum BakeError {
     /// No operator of these form factors.
     #[error("{0}")]
     Relight(#[from] RelightError),
+    /// No texture blocks of them.
+    #[error("{0}")]
+    Blocks(#[from] BlockError),
     /// The scene has no surface that light reaches.
     #[error("the scene has no surface that light can reach: there are no patches")]
     NoPatches,
@@ -107,7 +193,7 @@ pub struct Operator {
     /// Patches in the order of the tiles.
     pub map: PatchMap,
     /// What relights.
-    pub relighter: Relighter,
+    pub transport: Transport,
     /// Share of each patch's rays that see the sky.
     pub escaped: Vec<f32>,
     /// Passes of a relighting.
@@ -117,7 +203,7 @@ pub struct Operator {
 impl Operator {
     /// Bytes of everything a relighting reads.
     pub fn bytes(&self) -> usize {
-        self.relighter.bytes()
+        self.transport.bytes()
     }
 }
 
@@ -172,6 +258,7 @@ pub fn bake(
     clock.done("patches");
     let order = order::kd(map.patches.list(), SIDE);
     let map = PatchMap { patches: map.patches.reordered(&order), ..map };
+    let voxels = inverse(&order);
     clock.done("order");
     let job = FormFactorJob {
         seed: settings.patches.seed,
@@ -190,10 +277,10 @@ pub fn bake(
     let albedo: Vec<[f32; 3]> = map.patches.list().iter().map(|p| p.albedo).collect();
     let truth = Truth::new(session, &form_factors, &map, &albedo, settings.bounces)?;
     clock.done("exact");
-    let Encoded { relighter, passes, error } =
-        encode(session, &form_factors, &truth, settings.codec, settings.passes)?;
+    let Encoded { transport, passes, error } =
+        encode(session, (&form_factors, &voxels), &truth, settings.codec, settings.passes)?;
     clock.done("encode");
-    let operator = Operator { map, relighter, escaped: form_factors.escaped.clone(), passes };
+    let operator = Operator { map, transport, escaped: form_factors.escaped.clone(), passes };
     Ok(Baked { operator, form_factors, balance, error, rays, stages: clock.stages })
 }
 
@@ -323,22 +410,22 @@ impl Truth {
         })
     }
 
-    /// Error of a relighter over the lights that measure.
+    /// Error of a transport over the lights that measure.
     ///
     /// # Errors
     /// Of numbers that do not fit.
     pub fn measure(
         &self,
         session: &dyn Session,
-        relighter: &Relighter,
+        transport: &Transport,
         passes: u32,
     ) -> Result<CodecError, BakeError> {
-        let mut room = Workspace::default();
-        let mut found = vec![[0.0; 3]; relighter.len()];
+        let mut rooms = Rooms::default();
+        let mut found = vec![[0.0; 3]; self.relighter.len()];
         let mut judge = Judge::default();
         for (direct, truth) in self.lights.iter().zip(&self.exact) {
-            session.relight(relighter, (direct, &[]), &mut found, passes, &mut room)?;
-            judge.add(relighter.areas(), &found, truth);
+            transport.relight(session, (direct, &[]), &mut found, passes, &mut rooms)?;
+            judge.add(self.relighter.areas(), &found, truth);
         }
         Ok(judge.error())
     }
@@ -383,26 +470,86 @@ impl Judge {
 #[derive(Clone, Debug)]
 pub struct Encoded {
     /// What relights.
-    pub relighter: Relighter,
+    pub transport: Transport,
     /// In so many passes.
     pub passes: u32,
     /// What that costs.
     pub error: CodecError,
 }
 
-/// Stores form factors as the codec says, and measures what that costs.
+/// The inverse of a permutation.
+fn inverse(order: &[u32]) -> Vec<u32> {
+    let mut inverse = vec![0; order.len()];
+    for (new, old) in order.iter().enumerate() {
+        inverse[*old as usize] = new as u32;
+    }
+    inverse
+}
+
+/// Texture blocks as a codec says; `voxels` is the order of the patches before they were put in order.
+fn encode_blocks(
+    session: &dyn Session,
+    (form_factors, voxels): (&FormFactors, &[u32]),
+    truth: &Truth,
+    codec: Codec,
+) -> Result<Encoded, BakeError> {
+    let settings = match codec {
+        Codec::Published { bounces, keep, order } => blocks::Settings {
+            matrix: bounces.map_or(Matrix::AllBounces, Matrix::Bounces),
+            keep,
+            order: match order {
+                Order::Voxels => blocks::Order::Given(voxels),
+                Order::Kd => blocks::Order::Patches,
+                Order::Greedy1 => blocks::Order::Greedy { passes: 1 },
+                Order::Greedy2 => blocks::Order::Greedy { passes: 2 },
+            },
+            ..blocks::Settings::published(PASSES)
+        },
+        Codec::Bc4 { keep } => {
+            blocks::Settings { keep, ..blocks::Settings::bounced(bounces_needed(session, truth)?) }
+        }
+        Codec::Bc1 { keep } => blocks::Settings { keep, ..blocks::Settings::mended() },
+        Codec::Auto { .. } | Codec::Tiles | Codec::F16 | Codec::F32 => blocks::Settings::mended(),
+    };
+    let made = session.encode_blocks(form_factors, &truth.relighter.albedo_list(), &settings)?;
+    let passes = match settings.matrix {
+        Matrix::FormFactors { bounces } => bounces,
+        _ => 1,
+    };
+    let transport = Transport::Blocks(made);
+    let error = truth.measure(session, &transport, passes)?;
+    Ok(Encoded { transport, passes, error })
+}
+
+/// Plain bounces after which little is left to come.
+fn bounces_needed(session: &dyn Session, truth: &Truth) -> Result<u32, BakeError> {
+    if let Some(bounces) = truth.bounces {
+        return Ok(bounces);
+    }
+    let plain = Transport::Tiles(truth.relighter.clone().without_coarse());
+    let mut bounces = 4;
+    while bounces < BOUNCES_MOST && truth.measure(session, &plain, bounces)?.rms > FULL_ERROR {
+        bounces += bounces / 2;
+    }
+    Ok(bounces)
+}
+
+/// Stores form factors as the codec says, and measures what that costs; `voxels` is the order of the patches before they were put in order.
 ///
 /// # Errors
 /// Of form factors that make no operator.
 pub fn encode(
     session: &dyn Session,
-    form_factors: &FormFactors,
+    (form_factors, voxels): (&FormFactors, &[u32]),
     truth: &Truth,
     codec: Codec,
     passes: Option<u32>,
 ) -> Result<Encoded, BakeError> {
     let albedo = truth.relighter.albedo_list();
     let limit = match codec {
+        Codec::Published { .. } | Codec::Bc1 { .. } | Codec::Bc4 { .. } => {
+            return encode_blocks(session, (form_factors, voxels), truth, codec);
+        }
         Codec::Auto { max_error } => max_error * PASSES_SHARE,
         Codec::Tiles | Codec::F16 | Codec::F32 => FULL_ERROR,
     };
@@ -413,7 +560,7 @@ pub fn encode(
             break Vec::new();
         }
         let weights = truth.weights(session, count)?;
-        let made = truth.relighter.clone().with_weights(weights.clone())?;
+        let made = Transport::Tiles(truth.relighter.clone().with_weights(weights.clone())?);
         let good = truth.measure(session, &made, count)?.rms <= limit;
         if good || passes.is_some() || count >= PASSES_MOST {
             break weights;
@@ -426,12 +573,13 @@ pub fn encode(
         let relighter = Relighter::of(form_factors, &albedo, tiles)?
             .with_coarse_of(&truth.relighter, coarse)?
             .with_weights(weights.clone())?;
-        let error = truth.measure(session, &relighter, count)?;
-        Ok(Encoded { relighter, passes: count, error })
+        let transport = Transport::Tiles(relighter);
+        let error = truth.measure(session, &transport, count)?;
+        Ok(Encoded { transport, passes: count, error })
     };
     let uniform = |kind: Kind| make(&|_, _| kind, Rates::Uniform(kind));
     match codec {
-        Codec::F32 => uniform(Kind::F32),
+        Codec::F32 | Codec::Published { .. } | Codec::Bc1 { .. } | Codec::Bc4 { .. } => uniform(Kind::F32),
         Codec::F16 => uniform(Kind::F16),
         Codec::Tiles => uniform(Kind::Bits8),
         Codec::Auto { max_error } => {
@@ -516,13 +664,13 @@ pub fn relight(
     session: &dyn Session,
     operator: &Operator,
     light: &PatchLight,
-    room: &mut Workspace,
-) -> Result<Vec<[f32; 3]>, RelightError> {
+    rooms: &mut Rooms,
+) -> Result<Vec<[f32; 3]>, BakeError> {
     let direct: Vec<[f32; 3]> =
         light.direct.iter().zip(&light.sky).map(|(d, s)| [0, 1, 2].map(|c| d[c] + s[c])).collect();
     let emission: Vec<[f32; 3]> = operator.map.patches.list().iter().map(|p| p.emission).collect();
     let mut indirect = vec![[0.0; 3]; direct.len()];
-    session.relight(&operator.relighter, (&direct, &emission), &mut indirect, operator.passes, room)?;
+    operator.transport.relight(session, (&direct, &emission), &mut indirect, operator.passes, rooms)?;
     Ok(indirect)
 }
 
@@ -567,7 +715,7 @@ pub fn relit(
     let mut clock = Clock::new();
     let light = patch_light(session, operator, seed, watcher)?;
     clock.done("direct");
-    let indirect = relight(session, operator, &light, &mut Workspace::default())?;
+    let indirect = relight(session, operator, &light, &mut Rooms::default())?;
     clock.done("relight");
     let values = radiosity_map(session, operator, &light, &indirect)?;
     clock.done("transfer");

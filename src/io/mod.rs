@@ -43,7 +43,7 @@ pub use ktx2::{BlockFormat, encode_ktx2, write_ktx2};
 pub use mtl::{Mtl, MtlMap, MtlMaterial, parse_mtl};
 pub use obj::{Obj, parse_obj};
 pub use operator::{
-    OperatorFile, OperatorInfo, Transport, encode_operator, parse_operator, read_operator, write_operator,
+    OperatorFile, OperatorInfo, encode_operator, parse_operator, read_operator, write_operator,
 };
 pub use ply::{parse_ply, write_ply};
 pub use points::{Probe, parse_points, read_points, write_points};

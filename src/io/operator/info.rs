@@ -76,6 +76,7 @@ pub(super) struct Head {
 #[serde(rename_all = "lowercase")]
 pub(super) enum TransportHead {
     Tiles(super::tiles::TilesHead),
+    Blocks(super::blocks::BlocksHead),
 }
 
 #[derive(Serialize, Deserialize)]

@@ -40,8 +40,21 @@
 //! | `kinds`, `tiles` | nibbles and payload of n patches |
 //! | `kinds0`, `tiles0` to `kinds2`, `tiles2` | those of the inverse per channel, of m clusters; absent without a second level |
 //!
+//! Transport in texture blocks ([`etendue_core::radiosity::blocks`]):
+//!
+//! | name | what |
+//! |---|---|
+//! | `albedo` | n x 3 f32 |
+//! | `order` | u32 per row, its patch; or nothing |
+//! | `scales` | 2 f32 per row, or nothing |
+//! | `values` | f32 per code |
+//! | `blocks` | 8 bytes each |
+//! | `starts` | u32 per row and one more |
+//! | `columns`, `kept` | of kept entries: u32 and f32, or u16 and f16 |
+//!
 //! A reader refuses, with a reason, what is cut short, longer than it says, changed by a single bit, of a newer version, or made of numbers out of their range.
 
+mod blocks;
 mod container;
 mod info;
 #[cfg(test)]
@@ -53,10 +66,10 @@ pub use info::OperatorInfo;
 use super::atomic::write_whole;
 use super::error::{LoadError, SaveError, quoted};
 use super::source::{DiskSource, read_file};
+use crate::driver::radiosity::Transport;
 use container::{Section, Sections, tag};
 use etendue_core::illumination::{Basis, Sides};
 use etendue_core::radiosity::patches::{NO_PATCH, Patch};
-use etendue_core::radiosity::relight::Relighter;
 use info::{Head, TransportHead};
 use std::path::Path;
 
@@ -66,23 +79,6 @@ const MAX_FILE: u64 = 1 << 34;
 const PATCH: usize = 13;
 /// How far from 1 the length of a normal may be; patches whose normals cancel have none.
 const UNIT: f32 = 1e-3;
-
-/// How light gets from patch to patch.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Transport {
-    /// Form factors in tiles.
-    Tiles(Relighter),
-}
-
-impl Transport {
-    /// Bytes of everything a relighting reads.
-    pub fn bytes(&self) -> usize {
-        match self {
-            Self::Tiles(relighter) => relighter.bytes(),
-        }
-    }
-}
 
 /// What an operator file holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,6 +138,7 @@ impl OperatorFile {
         }
         match &self.transport {
             Transport::Tiles(relighter) => tiles::check(relighter, &self.patches),
+            Transport::Blocks(operator) => blocks::check(operator, &self.patches),
         }
     }
 }
@@ -187,6 +184,7 @@ pub fn encode_operator(operator: &OperatorFile, file: &Path) -> Result<Vec<u8>, 
     ];
     let transport = match &operator.transport {
         Transport::Tiles(relighter) => TransportHead::Tiles(tiles::write(relighter, &mut sections)),
+        Transport::Blocks(operator) => TransportHead::Blocks(blocks::write(operator, &mut sections)),
     };
     let head = Head { info: operator.info.clone(), transport };
     let json = serde_json::to_vec(&head).map_err(|e| SaveError::new(file, e))?;
@@ -228,6 +226,7 @@ pub fn parse_operator(bytes: &[u8], file: &Path) -> Result<OperatorFile, LoadErr
     let escaped = sections.take_floats(tag("escaped"))?;
     let transport = match head.transport {
         TransportHead::Tiles(head) => Transport::Tiles(tiles::read(&head, &mut sections, &patches)?),
+        TransportHead::Blocks(head) => Transport::Blocks(blocks::read(&head, &mut sections)?),
     };
     sections.finish()?;
     let operator = OperatorFile { info: head.info, patches, of, escaped, transport };

@@ -6,6 +6,7 @@ use super::*;
 use crate::driver::radiosity::CodecError;
 use etendue_core::illumination::ElementSettings;
 use etendue_core::radiosity::polynomial::Portable;
+use etendue_core::radiosity::relight::Relighter;
 use etendue_core::radiosity::tiles::{Kind, Rates, encode};
 
 /// A made-up operator of n patches.

@@ -27,9 +27,7 @@ pub trait Schedule {
     fn greedy(&self, codes: &[u8], width: usize, order: &mut [u32]);
 }
 
-/// One thread, plain code.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Portable;
+pub use crate::radiosity::polynomial::Portable;
 
 impl Schedule for Portable {
     fn product(&self, operator: &BlockOperator, sent: Sent<'_>, y: &mut [Quad], scratch: &mut Scratch) {

@@ -325,6 +325,14 @@ impl Relighter {
         Ok(self)
     }
 
+    /// Without the second level: plain bounces.
+    #[must_use]
+    pub fn without_coarse(mut self) -> Self {
+        self.coarse = None;
+        self.damping = 1.0;
+        self
+    }
+
     /// With a second level that was made before, from [`Coarse::tiles`], [`Coarse::rates`] and [`Self::damping`].
     ///
     /// # Errors
