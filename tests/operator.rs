@@ -10,7 +10,8 @@ use etendue::core::radiosity::patches::PatchSettings;
 use etendue::core::scene::{LightDesc, SceneDesc, compile};
 use etendue::cpu::{CpuBackend, CpuSession};
 use etendue::driver::radiosity::{
-    BakeSettings, Baked, Codec, RadiosityView, Rooms, bake, map_probes, patch_light, radiosity_map, relight,
+    BakeSettings, Baked, Codec, Order, RadiosityView, Rooms, bake, map_probes, patch_light, radiosity_map,
+    relight,
 };
 use etendue::driver::{self, Budget, OpenError, Settings, Silent, open_operator, operator_file};
 use etendue::io::{encode_operator, load_scene, parse_operator};
@@ -137,4 +138,71 @@ fn a_file_brings_the_operator_back() {
     let (a, b) = (wrong.of.iter().position(|p| *p == 0), wrong.of.iter().position(|p| *p == 1));
     wrong.of.swap(a.unwrap(), b.unwrap());
     assert!(matches!(open_operator(wrong, &session), Err(OpenError::Patch { patch: 0 | 1 })));
+}
+
+#[test]
+fn every_codec_bakes_the_same_bytes_with_any_number_of_threads_and_comes_back() {
+    let desc = load("cornell/closed.toml");
+    let scene = Arc::new(compile(&desc).unwrap().0);
+    let keep = 0.04;
+    for (codec, most) in [
+        (Codec::Auto { max_error: 0.05 }, 0.05),
+        (Codec::Tiles, 0.03),
+        (Codec::F16, 0.006),
+        (Codec::Published { bounces: Some(3), keep, order: Order::Greedy2 }, 1.0),
+        (Codec::Published { bounces: None, keep, order: Order::Voxels }, 1.0),
+        (Codec::Bc1 { keep }, 0.06),
+        (Codec::Bc4 { keep }, 0.06),
+    ] {
+        let settings = BakeSettings {
+            patches: PatchSettings { count: 300, seed: 3 },
+            rays: 256,
+            codec,
+            passes: None,
+            bounces: None,
+        };
+        let made = [1, 2, 5].map(|threads| {
+            let session = CpuBackend::new(Some(threads)).unwrap().open_session(scene.clone()).unwrap();
+            let made = bake(&session, &settings, &Silent).unwrap();
+            let file = operator_file(&made, &settings, session.scene());
+            (encode_operator(&file, Path::new("a.etd")).unwrap(), made)
+        });
+        assert!(made[0].0 == made[1].0 && made[0].0 == made[2].0, "{codec:?}");
+        let (bytes, made) = &made[0];
+        let n = made.operator.map.patches.len() as f64;
+        println!("{codec:?}: {:?}, {:.3} bytes a pair", made.error, made.operator.bytes() as f64 / (n * n));
+        assert!(made.error.rms <= most, "{codec:?}: {:?}", made.error);
+        let session = open(&desc);
+        let back = open_operator(parse_operator(bytes, Path::new("a.etd")).unwrap(), &session).unwrap();
+        assert_eq!(back.transport, made.operator.transport, "{codec:?}");
+        assert_eq!(back.passes, made.operator.passes);
+    }
+}
+
+#[test]
+fn so_many_bounces_are_so_many() {
+    let session = open(&load("cornell/closed.toml"));
+    let settings = |bounces| BakeSettings {
+        patches: PatchSettings { count: 200, seed: 3 },
+        rays: 256,
+        codec: Codec::F32,
+        passes: None,
+        bounces,
+    };
+    let made = [Some(1), Some(2), Some(30), None].map(|k| bake(&session, &settings(k), &Silent).unwrap());
+    let n = made[0].operator.map.patches.len();
+    let mut direct = vec![[0.0; 3]; n];
+    direct[n / 2] = [1.0; 3];
+    let [one, two, many, all] = made.each_ref().map(|made| {
+        let mut found = vec![[0.0; 3]; n];
+        let operator = &made.operator;
+        let light = (&direct[..], &[][..]);
+        operator
+            .transport
+            .relight(&session, light, &mut found, operator.passes, &mut Rooms::default())
+            .unwrap();
+        found.iter().zip(operator.map.patches.list()).map(|(e, p)| f64::from(e[0] * p.area)).sum::<f64>()
+    });
+    assert!(one > 0.0 && two > 1.2 * one && many > 1.2 * two, "{one} {two} {many}");
+    assert!((many / all - 1.0).abs() < 0.02, "{many} in thirty bounces, {all} in all");
 }

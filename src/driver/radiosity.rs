@@ -28,6 +28,8 @@ const PASSES_MOST: u32 = 12;
 const PASSES_SHARE: f64 = 0.6;
 /// What passes may leave where form factors are stored as they are.
 const FULL_ERROR: f64 = 0.005;
+/// A patch that sees less than this of others lights nothing.
+const SEES: f64 = 0.05;
 /// Most plain bounces.
 const BOUNCES_MOST: u32 = 200;
 /// When irradiance stands: passes at most, and relative change of one.
@@ -294,7 +296,7 @@ pub enum ProbeLights {
 }
 
 /// Lights that a codec is judged by: direct irradiance on all patches, eight of them. Single lit patches are the hardest; lamps near a wall, suns and an even light follow.
-pub fn probe_lights(map: &PatchMap, purpose: ProbeLights) -> Vec<Vec<[f32; 3]>> {
+pub fn probe_lights(map: &PatchMap, row_sums: &[f64], purpose: ProbeLights) -> Vec<Vec<[f32; 3]>> {
     let list = map.patches.list();
     let n = list.len();
     let colour = [1.0, 0.8, 0.6];
@@ -303,7 +305,11 @@ pub fn probe_lights(map: &PatchMap, purpose: ProbeLights) -> Vec<Vec<[f32; 3]>> 
         ProbeLights::Fit => (n / 35, [[0.0, 0.8, 0.6], [-0.36, 0.48, -0.8]]),
     };
     let mut lights = Vec::new();
-    let at = |k: usize| (k * n / 7 + offset).min(n.saturating_sub(1));
+    // From there on the first patch that sees something.
+    let at = |k: usize| {
+        let first = (k * n / 7 + offset).min(n.saturating_sub(1));
+        (first..n).chain(0..first).find(|i| row_sums.get(*i).is_some_and(|s| *s > SEES)).unwrap_or(first)
+    };
     for k in [1, 4] {
         let mut one = vec![[0.0; 3]; n];
         one[at(k)] = colour;
@@ -393,7 +399,9 @@ impl Truth {
             }
             Ok(all)
         };
-        let [lights, fit] = [ProbeLights::Measure, ProbeLights::Fit].map(|p| probe_lights(map, p));
+        let row_sums = form_factors.row_sums();
+        let [lights, fit] = [ProbeLights::Measure, ProbeLights::Fit].map(|p| probe_lights(map, &row_sums, p));
+
         let (exact, fitted) = (solve(&lights)?, solve(&fit)?);
         Ok(Self { relighter, lights, exact, fit: (fit, fitted), bounces })
     }

@@ -37,6 +37,7 @@
 //! | `albedo` | n x 3 f32 that the clusters' inverses were made with |
 //! | `factors` | n f32 |
 //! | `weights` | f32 per pass, or none |
+//! | `spread` | n f32: what a patch gets of its cluster's irradiance; absent without a second level |
 //! | `kinds`, `tiles` | nibbles and payload of n patches |
 //! | `kinds0`, `tiles0` to `kinds2`, `tiles2` | those of the inverse per channel, of m clusters; absent without a second level |
 //!

@@ -130,14 +130,14 @@ fn the_bytes_are_those_of_version_1() {
     }
     let head = "6574656e64756500\
         01000000\
-        0e000000";
+        10000000";
     let found: String = bytes[..16].iter().map(|b| format!("{b:02x}")).collect();
     assert_eq!(found, head);
     assert_eq!(u64::from_le_bytes(bytes[16..24].try_into().unwrap()), bytes.len() as u64);
     let names: Vec<String> = sections(&bytes).iter().map(|s| container::name(&s.tag)).collect();
     assert_eq!(
         names.join(" "),
-        "info patches elements escaped albedo factors kinds tiles kinds0 tiles0 kinds1 tiles1 kinds2 tiles2"
+        "info patches elements escaped albedo factors weights spread kinds tiles kinds0 tiles0 kinds1 tiles1 kinds2 tiles2"
     );
     for i in 0..names.len() {
         assert_eq!(bytes[64 + 64 * i + 8] % 64, 0, "sections begin at multiples of 64");
@@ -147,10 +147,10 @@ fn the_bytes_are_those_of_version_1() {
         String::from_utf8(json).unwrap(),
         "{\"info\":{\"program\":\"0.0.0\",\"transport_hash\":\
          \"00070e151c232a31383f464d545b626970777e858c939aa1a8afb6bdc4cbd2d9\",\"patches_asked\":9,\
-         \"rays_per_patch\":64,\"rays\":1152921504606846976,\"seed\":18446744073709551615,\"codec\":\"tiles\",\
+         \"rays_per_patch\":64,\"rays\":1152921504606846976,\"seed\":18446744073709551615,\"passes\":3,\"codec\":\"tiles\",\
          \"max_error\":0.30000000000000004,\"error\":{\"rms\":0.3333333333333333,\"worst\":1e-300,\"energy\":0.0},\
          \"elements\":{\"basis\":\"constant\",\"sides\":\"apart\",\"largest\":0.1}},\
-         \"transport\":{\"tiles\":{\"coarse\":{\"uniform\":{\"kind\":7}}}}}"
+         \"transport\":{\"tiles\":{\"coarse\":{\"uniform\":{\"kind\":7}},\"damping\":1.0}}}"
     );
     assert!(bytes == std::fs::read(&path).unwrap(), "{} differs", path.display());
 }
@@ -279,7 +279,7 @@ fn wrong_settings_are_refused() {
         ("\"0007", "\"07", "64 hexadecimal digits"),
         ("\"kind\":7", "\"kind\":10", "kind 10 of tiles"),
         ("{\"uniform\":{\"kind\":7}}", "{\"cheapest\":{\"lambda\":-1}}", "lambda -1"),
-        ("\"tiles\":{\"coarse\"", "\"blocks\":{\"coarse\"", "unknown variant `blocks`"),
+        ("\"tiles\":{\"coarse\"", "\"rods\":{\"coarse\"", "unknown variant `rods`"),
         ("\"seed\":18446744073709551615,", "", "missing field `seed`"),
     ] {
         let said = with("info", |b| {
@@ -298,7 +298,7 @@ fn wrong_settings_are_refused() {
     // Without a second level its sections are none that are known.
     let none =
         with("info", |b| *b = String::from_utf8(b.clone()).unwrap().replace("coarse", "fine").into_bytes());
-    assert!(none.unwrap_err().contains("section \"kinds0\" is not supported"));
+    assert!(none.unwrap_err().contains("section \"spread\" is not supported"));
 }
 
 #[test]

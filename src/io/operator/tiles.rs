@@ -4,7 +4,7 @@ use super::Wrong;
 use super::container::{Section, Sections, Tag, floats, name, tag};
 use crate::io::error::LoadError;
 use etendue_core::radiosity::patches::Patch;
-use etendue_core::radiosity::relight::Relighter;
+use etendue_core::radiosity::relight::{CoarseParts, Relighter};
 use etendue_core::radiosity::tiles::{Kind, Rates, Tiles, tile_rows};
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +52,9 @@ pub(super) fn write<'a>(relighter: &'a Relighter, sections: &mut Vec<Section<'a>
     sections.push(Section::new(tag("weights"), floats(relighter.weights())));
     let coarse = relighter.coarse();
     let inverses = coarse.map_or(&[][..], |c| c.tiles());
+    if let Some(parts) = relighter.coarse_parts() {
+        sections.push(Section::new(tag("spread"), floats(&parts.spread)));
+    }
     for ([kinds, payload], tiles) in ALL.into_iter().zip([relighter.tiles()].into_iter().chain(inverses)) {
         sections.push(Section::new(kinds, tiles.kinds()));
         sections.push(Section::new(payload, tiles.payload()));
@@ -96,7 +99,9 @@ pub(super) fn read(
     };
     let m = tile_rows(n);
     let inverses = [one(sections, ALL[1], m)?, one(sections, ALL[2], m)?, one(sections, ALL[3], m)?];
-    relighter.with_coarse_tiles(inverses, rates, head.damping).map_err(refused)
+    let spread = sections.take_floats(tag("spread"))?;
+    let parts = CoarseParts { tiles: inverses, rates, spread, damping: head.damping };
+    relighter.with_coarse_parts(parts).map_err(refused)
 }
 
 fn one(sections: &mut Sections<'_>, [kinds, payload]: [Tag; 2], n: usize) -> Result<Tiles, LoadError> {

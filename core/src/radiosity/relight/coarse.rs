@@ -8,6 +8,9 @@ use crate::radiosity::tiles::{Planes, Rates, SIDE, Scratch, TileError, Tiles, en
 use alloc::vec::Vec;
 use core::fmt;
 
+/// Sums of rows are 1 at most, but for rounding.
+const SPREAD_MOST: f32 = 2.0;
+
 /// Why clusters have no inverse.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CoarseError {
@@ -32,7 +35,9 @@ impl core::error::Error for CoarseError {}
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coarse {
     tiles: [Tiles; 3],
-    /// Share of each patch in its cluster's mean, by area.
+    /// w: what a patch gets of its cluster's irradiance.
+    spread: Vec<[f32; SIDE]>,
+    /// Share of each patch in its cluster's mean, a w / Ac.
     shares: Vec<[f32; SIDE]>,
     /// Ac^1/2 and Ac^-1/2.
     into: Vec<[f32; SIDE]>,
@@ -40,18 +45,34 @@ pub struct Coarse {
     rates: Rates,
 }
 
-/// Areas of the clusters \[m^2\].
-fn sums(areas: &[f32]) -> Vec<f64> {
-    areas.chunks(SIDE).map(|a| a.iter().map(|a| f64::from(*a)).sum()).collect()
+/// Ac, the areas of the clusters: sums of a w^2 \[m^2\]. Of patches that see nothing, 1.
+fn sums(areas: &[f32], spread: &[f32]) -> Vec<f64> {
+    let square = |(a, w): (&f32, &f32)| f64::from(*a) * f64::from(*w) * f64::from(*w);
+    areas
+        .chunks(SIDE)
+        .zip(spread.chunks(SIDE))
+        .map(|(a, w)| a.iter().zip(w).map(square).sum::<f64>())
+        .map(|sum| if sum > 0.0 { sum } else { 1.0 })
+        .collect()
 }
 
 /// Share of each patch in its cluster.
-fn shares(areas: &[f32], sums: &[f64]) -> Vec<[f32; SIDE]> {
-    areas
-        .chunks(SIDE)
-        .zip(sums)
-        .map(|(a, sum)| core::array::from_fn(|k| a.get(k).map_or(0.0, |a| (f64::from(*a) / sum) as f32)))
-        .collect()
+fn shares(areas: &[f32], spread: &[f32], sums: &[f64]) -> Vec<[f32; SIDE]> {
+    let share = |(k, (a, w)): (usize, (&f32, &f32))| (f64::from(*a) * f64::from(*w) / sums[k / SIDE]) as f32;
+    super::blocks(areas.iter().zip(spread).enumerate().map(share))
+}
+
+/// What made a second level, as a file has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoarseParts {
+    /// Tiles of Ac^1/2 Gc Ac^-1/2 per channel.
+    pub tiles: [Tiles; 3],
+    /// How they are stored: what a change of albedo makes them anew with.
+    pub rates: Rates,
+    /// What each patch gets of its cluster's irradiance.
+    pub spread: Vec<f32>,
+    /// What part of its change a pass makes.
+    pub damping: f32,
 }
 
 /// Room for products.
@@ -64,17 +85,17 @@ pub(super) struct Room {
 }
 
 impl Coarse {
-    /// From A F between clusters \[m^2\] (lower half, packed), and areas and albedos of the patches.
+    /// From w A F w between clusters \[m^2\] (lower half, packed), and areas, w and albedos of the patches.
     pub(super) fn new<M: Multiply + ?Sized>(
         multiply: &M,
         half: &[f64],
-        areas: &[f32],
+        (areas, spread): (&[f32], &[f32]),
         albedo: &[[f32; 3]],
         rates: Rates,
     ) -> Result<Self, RelightError> {
         let m = tile_rows(areas.len());
-        let sums = sums(areas);
-        let shares = shares(areas, &sums);
+        let sums = sums(areas, spread);
+        let shares = shares(areas, spread, &sums);
         let flux = |i: usize, j: usize| half[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
         let entries: Vec<f32> = (0..m * m).map(|k| (flux(k / m, k % m) / sums[k / m]) as f32).collect();
         let form_factors = Dense::try_new(m, entries)?;
@@ -83,8 +104,10 @@ impl Coarse {
         for c in 0..3 {
             let mean: Vec<f32> = albedo
                 .chunks(SIDE)
-                .zip(&shares)
-                .map(|(rho, shares)| rho.iter().zip(shares).map(|(rho, s)| rho[c] * s).sum())
+                .zip(spread.chunks(SIDE).zip(&shares))
+                .map(|(rho, (w, shares))| {
+                    rho.iter().zip(w).zip(shares).map(|((rho, w), s)| rho[c] * w * s).sum()
+                })
                 .collect();
             let g = polynomial::gather::<f64, _>(multiply, &form_factors, &mean)
                 .map_err(|e| RelightError::Coarse(CoarseError::Solve(e)))?;
@@ -100,24 +123,38 @@ impl Coarse {
             Ok(tiles) => tiles,
             Err(_) => return Err(RelightError::WrongLength { slice: "channels", found: 0, expected: 3 }),
         };
-        Self::from_tiles(tiles, areas, rates)
+        Self::from_tiles(tiles, (areas, spread), rates)
     }
 
-    /// From tiles of Ac^1/2 Gc Ac^-1/2 per channel, as a file has them, and areas of the patches.
-    pub(super) fn from_tiles(tiles: [Tiles; 3], areas: &[f32], rates: Rates) -> Result<Self, RelightError> {
+    /// From tiles of Ac^1/2 Gc Ac^-1/2 per channel, as a file has them, and areas and w of the patches.
+    pub(super) fn from_tiles(
+        tiles: [Tiles; 3],
+        (areas, spread): (&[f32], &[f32]),
+        rates: Rates,
+    ) -> Result<Self, RelightError> {
+        super::check_len("spread", spread.len(), areas.len())?;
+        if let Some(patch) = spread.iter().position(|w| !(0.0..=SPREAD_MOST).contains(w)) {
+            return Err(RelightError::BadValue { slice: "spread", patch, value: spread[patch] });
+        }
         for tiles in &tiles {
             super::check_len("clusters", tiles.len(), tile_rows(areas.len()))?;
         }
-        let sums = sums(areas);
+        let sums = sums(areas, spread);
         let roots: Vec<f64> = sums.iter().map(|a| math::sqrt64(*a)).collect();
         let blocks = |f: &dyn Fn(f64) -> f64| super::blocks(roots.iter().map(|r| f(*r) as f32));
         let (into, out) = (blocks(&|r| r), blocks(&|r| 1.0 / r));
-        Ok(Self { tiles, shares: shares(areas, &sums), into, out, rates })
+        let shares = shares(areas, spread, &sums);
+        Ok(Self { tiles, spread: super::blocks(spread.iter().copied()), shares, into, out, rates })
     }
 
     /// The inverse of each channel, as a file has it.
     pub fn tiles(&self) -> &[Tiles; 3] {
         &self.tiles
+    }
+
+    /// What each patch gets of its cluster's irradiance; 0 beyond the last.
+    pub(super) fn spread(&self) -> &[[f32; SIDE]] {
+        &self.spread
     }
 
     /// The same in tiles of other rates.
@@ -140,7 +177,7 @@ impl Coarse {
     /// Bytes of all of it.
     pub fn bytes(&self) -> usize {
         self.tiles.iter().map(Tiles::bytes).sum::<usize>()
-            + 4 * SIDE * self.shares.len()
+            + 8 * SIDE * self.shares.len()
             + 8 * SIDE * self.into.len()
     }
 

@@ -13,7 +13,8 @@
 //! B <- B + r + R P Gc Q r,   Gc = Fc (I - Rc Fc)^-1,   Fc = Q F P,   Rc = Q R P
 //! ```
 //!
-//! P gives a cluster's value to its patches, and Q is the mean by area (Q P = 1). The first B is B0 + R P Gc Q B0, which needs no pass and takes a third of the error away. The last pass gives E = F B + P Gc Q r, the clusters' share of all that was still to come.
+//! P gives a cluster's irradiance to its patches, to each in proportion to what it sees of others, w, the sum of its row of F; Q is the mean that belongs to it, with weights a w / Ac, Ac = sum of a w^2 (Q P = 1), and Rc the mean of R w.
+//! (Alike to all, as in a closed room where w is 1, total light is five times as far off in open scenes.) The first B is B0 + R P Gc Q B0, which needs no pass and takes a third of the error away. The last pass gives E = F B + P Gc Q r, the clusters' share of all that was still to come.
 //! Where surfaces face each other closely a pass would overshoot, and makes only a part of its change ([`Relighter::damping`]).
 //!
 //! It is one fixed linear map of E_direct: no test of convergence, the same time for all lights.
@@ -24,7 +25,7 @@ mod passes;
 mod tests;
 pub mod weights;
 
-pub use coarse::{Coarse, CoarseError};
+pub use coarse::{Coarse, CoarseError, CoarseParts};
 
 use super::form_factors::FormFactors;
 use super::operator::OperatorError;
@@ -175,12 +176,14 @@ fn fill(planes: &mut [Planes<3>], values: &[[f32; 3]]) {
     }
 }
 
-/// Adds each cluster's number to its patches: P, by runs of eight.
-fn add_sent(y: &mut [Planes<3>], sent: &[Planes<3>]) {
-    for (row, y) in y.iter_mut().enumerate() {
+/// Adds what clusters give to their patches: P, by runs of eight.
+fn add_sent(y: &mut [Planes<3>], sent: &[Planes<3>], spread: &[[f32; SIDE]]) {
+    for (row, (y, spread)) in y.iter_mut().zip(spread).enumerate() {
         for (y, sent) in y.iter_mut().zip(&sent[row / SIDE]) {
             let e = sent[row % SIDE];
-            y.iter_mut().for_each(|y| *y += e);
+            for k in 0..SIDE {
+                y[k] += spread[k] * e;
+            }
         }
     }
 }
@@ -297,7 +300,9 @@ impl Relighter {
         rates: Rates,
     ) -> Result<Self, RelightError> {
         let albedo = self.albedo_list();
-        self.coarse = Some(Coarse::new(multiply, &self.clusters(), &self.areas, &albedo, rates)?);
+        let spread = self.row_sums();
+        let clusters = self.clusters(&spread);
+        self.coarse = Some(Coarse::new(multiply, &clusters, (&self.areas, &spread), &albedo, rates)?);
         Ok(self.settled(multiply))
     }
 
@@ -333,32 +338,56 @@ impl Relighter {
         self
     }
 
-    /// With a second level that was made before, from [`Coarse::tiles`], [`Coarse::rates`] and [`Self::damping`].
+    /// With a second level that was made before; see [`Self::coarse_parts`].
     ///
     /// # Errors
-    /// When the tiles are not of as many clusters as there are; a damping that is not in (0, 1\].
-    pub fn with_coarse_tiles(
-        mut self,
-        tiles: [Tiles; 3],
-        rates: Rates,
-        damping: f32,
-    ) -> Result<Self, RelightError> {
+    /// When its parts are not of as many clusters and patches as there are, or out of their range.
+    pub fn with_coarse_parts(mut self, parts: CoarseParts) -> Result<Self, RelightError> {
+        let CoarseParts { tiles, rates, spread, damping } = parts;
         if !(damping > 0.0 && damping <= 1.0) {
             return Err(RelightError::BadValue { slice: "damping", patch: 0, value: damping });
         }
-        self.coarse = Some(Coarse::from_tiles(tiles, &self.areas, rates)?);
+        self.coarse = Some(Coarse::from_tiles(tiles, (&self.areas, &spread), rates)?);
         self.damping = damping;
         Ok(self)
     }
 
-    /// A F between runs of eight patches \[m^2\], as the tiles have it: lower half, packed.
-    fn clusters(&self) -> Vec<f64> {
+    /// The second level, if there is one, as a file has it.
+    pub fn coarse_parts(&self) -> Option<CoarseParts> {
+        let coarse = self.coarse.as_ref()?;
+        let spread = coarse.spread().as_flattened().iter().take(self.len()).copied().collect();
+        Some(CoarseParts {
+            tiles: coarse.tiles().clone(),
+            rates: coarse.rates(),
+            spread,
+            damping: self.damping,
+        })
+    }
+
+    /// Sums of rows of F as the tiles have it: what a patch sees of others.
+    fn row_sums(&self) -> Vec<f32> {
+        let mut sums = alloc::vec![0.0_f64; self.len()];
+        self.tiles.for_each(|i, j, s| {
+            let flux = self.flux(i, j, s);
+            sums[i] += flux;
+            if i != j {
+                sums[j] += flux;
+            }
+        });
+        sums.iter().zip(&self.areas).map(|(sum, a)| (sum / f64::from(*a)) as f32).collect()
+    }
+
+    /// A F(i, j) \[m^2\] of S(i, j).
+    fn flux(&self, i: usize, j: usize, s: f32) -> f64 {
+        f64::from(s) * f64::from(self.into[i / SIDE][i % SIDE]) * f64::from(self.into[j / SIDE][j % SIDE])
+    }
+
+    /// w A F w between runs of eight patches \[m^2\], as the tiles have it: lower half, packed.
+    fn clusters(&self, spread: &[f32]) -> Vec<f64> {
         let m = tile_rows(self.len());
         let mut half = alloc::vec![0.0_f64; m * (m + 1) / 2];
         self.tiles.for_each(|i, j, s| {
-            let flux = f64::from(s)
-                * f64::from(self.into[i / SIDE][i % SIDE])
-                * f64::from(self.into[j / SIDE][j % SIDE]);
+            let flux = self.flux(i, j, s) * f64::from(spread[i]) * f64::from(spread[j]);
             let (row, column) = (i / SIDE, j / SIDE);
             // Both halves of a tile on the diagonal.
             let times = if row == column && i != j { 2.0 } else { 1.0 };
@@ -426,7 +455,9 @@ impl Relighter {
         self.albedo = planes(albedo);
         if let Some(coarse) = &self.coarse {
             let rates = coarse.rates();
-            self.coarse = Some(Coarse::new(multiply, &self.clusters(), &self.areas, albedo, rates)?);
+            let spread = self.row_sums();
+            let clusters = self.clusters(&spread);
+            self.coarse = Some(Coarse::new(multiply, &clusters, (&self.areas, &spread), albedo, rates)?);
             *self = self.clone().settled(multiply);
         }
         Ok(())

@@ -170,7 +170,8 @@ impl Relighter {
         }
         room.radiosity.copy_from_slice(&room.start);
         if let Some(coarse) = &self.coarse {
-            add_sent(&mut room.last, coarse.apply(products, &room.start, &mut room.coarse));
+            let sent = coarse.apply(products, &room.start, &mut room.coarse);
+            add_sent(&mut room.last, sent, coarse.spread());
             self.bounce_all(&room.start, &room.last, &mut room.radiosity);
             room.sum.copy_from_slice(&room.last);
         }
@@ -226,7 +227,8 @@ impl Relighter {
                 r[k] -= b[k];
             }
         }
-        add_sent(&mut room.y, coarse.apply(products, &room.rest, &mut room.coarse));
+        let sent = coarse.apply(products, &room.rest, &mut room.coarse);
+        add_sent(&mut room.y, sent, coarse.spread());
         if self.damping < 1.0 {
             for (y, last) in room.y.as_flattened_mut().iter_mut().zip(room.last.as_flattened()) {
                 for k in 0..SIDE {

@@ -218,17 +218,22 @@ fn its_parts_make_it_again() {
                 let (areas, factors) = (made.areas().to_vec(), made.factors().to_vec());
                 Relighter::new(copy(made.tiles()), areas, factors, &made.albedo_list()).unwrap()
             };
-            let coarse = made.coarse().unwrap();
-            let again = parts()
-                .with_coarse_tiles(coarse.tiles().each_ref().map(copy), coarse.rates(), made.damping())
-                .unwrap();
-            assert_eq!(again, made, "{n} {rates:?}");
+            let coarse = made.coarse_parts().unwrap();
+            assert_eq!(parts().with_coarse_parts(coarse.clone()).unwrap(), made, "{n} {rates:?}");
             let other = encode(tile_rows(n) + 1, rates, |_, _| 0.0).unwrap();
-            let wrong = [other.clone(), copy(&coarse.tiles()[1]), other];
+            let wrong =
+                CoarseParts { tiles: [other.clone(), copy(&coarse.tiles[1]), other], ..coarse.clone() };
             assert!(matches!(
-                parts().with_coarse_tiles(wrong, rates, 1.0),
+                parts().with_coarse_parts(wrong),
                 Err(RelightError::WrongLength { slice: "clusters", .. })
             ));
+            for wrong in [
+                CoarseParts { damping: 0.0, ..coarse.clone() },
+                CoarseParts { spread: vec![f32::NAN; n], ..coarse.clone() },
+                CoarseParts { spread: vec![0.5; n + 1], ..coarse },
+            ] {
+                assert!(parts().with_coarse_parts(wrong).is_err());
+            }
         }
     }
 }
@@ -295,4 +300,25 @@ fn weights_tell_what_would_follow() {
     // Nothing to learn from: passes as they are.
     let none = weights::fit::<RelightError>(two.areas(), &[], &[], 2, |_, _, _| Ok(()));
     assert_eq!(none.unwrap(), [1.0, 1.0]);
+}
+
+#[test]
+fn what_sees_nothing_stays_dark_and_sends_nothing() {
+    let n = 50;
+    let mut f = form_factors(n, 0.9);
+    let lonely = 20;
+    for i in 0..n {
+        let (high, low) = (i.max(lonely), i.min(lonely));
+        f.half[high * (high + 1) / 2 + low] = 0.0;
+    }
+    let two = Relighter::encode(&f, &albedo(n, 0.8), Rates::Uniform(Kind::F32)).unwrap();
+    let two = two.with_coarse(&polynomial::Portable, Rates::Uniform(Kind::F32)).unwrap();
+    let mut direct = vec![[0.0; 3]; n];
+    direct[lonely] = [5.0; 3];
+    for passes in 0..4 {
+        assert!(run(&two, &direct, &[], passes).as_flattened().iter().all(|x| *x == 0.0), "{passes}");
+    }
+    let found = run(&two, &vec![[1.0; 3]; n], &[], 3);
+    assert_eq!(found[lonely], [0.0; 3]);
+    assert!(found[lonely + 1][0] > 0.1);
 }
