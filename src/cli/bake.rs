@@ -7,11 +7,13 @@ use super::job::{Stages, open, read_scene};
 use super::output::check_folder;
 use super::progress::Bar;
 use crate::driver::operator_file;
-use crate::driver::radiosity::{BakeError, bake};
-use crate::io::{encode_operator, write_whole};
+use crate::driver::radiosity::{BakeError, Transport, bake};
+use crate::io::{BlockFormat, SaveError, encode_operator, write_ktx2, write_whole};
 use etendue_core::backend::BackendError;
+use etendue_core::radiosity::blocks::{BlockOperator, Format, SIDE};
 use serde_json::{Map, Value, json};
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Options of `bake`.
@@ -27,6 +29,10 @@ pub(super) struct Args {
     /// The same as --pair-samples
     #[arg(long, value_name = "N", conflicts_with = "pair_samples", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     samples: Option<u32>,
+    /// Also write the blocks of `--codec published|bc1|bc4` as a texture, a texel for each pair of rows; what is kept aside, and what codes stand for, is in the operator alone. Of a codec that stores half, blocks right of
+    /// the diagonal are 0
+    #[arg(long, value_name = "FILE")]
+    ktx2: Option<PathBuf>,
     /// Seed of all rays
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -39,7 +45,12 @@ pub(super) struct Args {
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     args.bake.check()?;
-    check_folder(&args.output)?;
+    if args.ktx2.is_some() && !args.bake.has_blocks() {
+        return Err(CliError::Usage("--ktx2 needs --codec published, bc1 or bc4".into()));
+    }
+    for file in std::iter::once(&args.output).chain(&args.ktx2) {
+        check_folder(file)?;
+    }
     let mut stages = Stages::new();
     let (scene, _) = read_scene(&args.scene, None, &args.talk, &mut stages)?;
     let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
@@ -60,6 +71,9 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     stages.add(&baked.stages);
     let bytes = encode_operator(&operator_file(&baked, &settings, opened.session.scene()), &args.output)?;
     write_whole(&args.output, &bytes)?;
+    if let (Some(file), Transport::Blocks(blocks)) = (&args.ktx2, &baked.operator.transport) {
+        write_texture(file, blocks)?;
+    }
     stages.done("write");
     let operator = &baked.operator;
     let n = operator.map.patches.len();
@@ -97,4 +111,25 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         );
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Blocks as a texture.
+fn write_texture(file: &Path, operator: &BlockOperator) -> Result<(), SaveError> {
+    let parts = operator.parts();
+    let n = operator.len();
+    let rows = n.div_ceil(SIDE);
+    let mut bytes = Vec::with_capacity(8 * rows * rows);
+    let mut blocks = parts.blocks.iter();
+    for row in 0..rows {
+        let stored = if parts.half { row + 1 } else { rows };
+        bytes.extend(blocks.by_ref().take(stored).flatten());
+        bytes.resize(8 * rows * (row + 1), 0);
+    }
+    let format = match parts.format {
+        Format::Bc1 => BlockFormat::Bc1RgbUnorm,
+        Format::Bc4 => BlockFormat::Bc4Unorm,
+    };
+    let writer = format!("etendue {}", env!("CARGO_PKG_VERSION"));
+    let values = BTreeMap::from([("KTXwriter".to_owned(), writer)]);
+    write_ktx2(file, (n as u32, n as u32), format, &bytes, &values)
 }

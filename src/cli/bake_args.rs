@@ -124,7 +124,7 @@ impl BakeArgs {
     /// [`CliError::Usage`] with the option and the codecs that have it.
     pub(super) fn check(&self) -> Result<(), CliError> {
         let codec = self.codec();
-        let blocks = matches!(codec, CodecName::Published | CodecName::Bc1 | CodecName::Bc4);
+        let blocks = self.has_blocks();
         let refused = [
             ("--max-error", self.max_error.is_some() && codec != CodecName::Auto, "auto"),
             ("--keep", self.keep.is_some() && !blocks, "published, bc1 or bc4"),
@@ -139,6 +139,11 @@ impl BakeArgs {
             Some((name, _, codecs)) => Err(CliError::Usage(format!("{name} needs --codec {codecs}"))),
             None => Ok(()),
         }
+    }
+
+    /// Whether texture blocks come of it.
+    pub(super) fn has_blocks(&self) -> bool {
+        matches!(self.codec(), CodecName::Published | CodecName::Bc1 | CodecName::Bc4)
     }
 
     fn codec(&self) -> CodecName {
