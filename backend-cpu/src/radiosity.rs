@@ -51,9 +51,9 @@ widest! {
 }
 
 widest! {
-    fn sees_infinity(ground: (&CompiledScene, &Tree, &Elements), place: (u32, u32), numbers: &Numbers) -> bool {
+    fn look(ground: (&CompiledScene, &Tree, &Elements), place: (u32, u32), numbers: &Numbers, met: &[bool]) -> [u32; 3] {
         let (scene, tree, elements) = ground;
-        reach::sees_infinity(scene, tree, elements, place, numbers)
+        reach::look(scene, tree, elements, place, numbers, |e| met[e as usize])
     }
 }
 
@@ -92,17 +92,29 @@ fn reached(
         run(From::Infinity, FROM_INFINITY);
     }
     let met: Vec<bool> = reached.into_iter().map(AtomicBool::into_inner).collect();
-    if !infinity {
-        return met;
+    // Walks are few: what they have missed among what they met looks around itself.
+    let near = Clustering::new(scene, elements).by_size(elements.settings().largest);
+    let mut around = vec![false; near.count];
+    for (element, cluster) in near.of.iter().enumerate() {
+        if let Some(around) = around.get_mut(*cluster as usize) {
+            *around |= met[element];
+        }
     }
+    let among = |element: usize| {
+        near.of.get(element).is_some_and(|c| around.get(*c as usize).copied().unwrap_or(false))
+    };
     let (owners, numbers) = (elements.owners(), Numbers::sobol(seed, LOOK));
     pool.install(|| {
         (0..met.len())
             .into_par_iter()
             .map(|element| {
+                if met[element] || !(infinity || among(element)) {
+                    return met[element];
+                }
                 let place = (element as u32, owners[element % owners.len()]);
                 let numbers = numbers.with_index(element as u32);
-                met[element] || sees_infinity((scene, tree, elements), place, &numbers)
+                let [known, other, sky] = look((scene, tree, elements), place, &numbers, &met);
+                (infinity && sky > 0) || (among(element) && known > other)
             })
             .collect()
     })
@@ -118,17 +130,7 @@ pub(crate) fn patches(
 ) -> PatchMap {
     let reached = reached(pool, scene, tree, &elements, settings.seed);
     let clustering = Clustering::new(scene, &elements);
-    // A side that walks have missed counts where its surroundings were met: walks are few.
-    let near = clustering.by_size(elements.settings().largest);
-    let mut met = vec![false; near.count];
-    for (element, cluster) in near.of.iter().enumerate() {
-        if let Some(met) = met.get_mut(*cluster as usize) {
-            *met |= reached[element];
-        }
-    }
-    let live =
-        |element: usize| near.of.get(element).and_then(|c| met.get(*c as usize)).copied().unwrap_or(false);
-    let clustering = clustering.retain(live);
+    let clustering = clustering.retain(|element| reached[element]);
     let near = NEAR * elements.settings().largest;
     let kind = |(element, place)| reach::kind(scene, tree, &elements, (element as u32, place), near);
     let kinds: Vec<u8> = pool.install(|| clustering.places().par_iter().enumerate().map(kind).collect());

@@ -129,7 +129,5 @@ fn write_texture(file: &Path, operator: &BlockOperator) -> Result<(), SaveError>
         Format::Bc1 => BlockFormat::Bc1RgbUnorm,
         Format::Bc4 => BlockFormat::Bc4Unorm,
     };
-    let writer = format!("etendue {}", env!("CARGO_PKG_VERSION"));
-    let values = BTreeMap::from([("KTXwriter".to_owned(), writer)]);
-    write_ktx2(file, (n as u32, n as u32), format, &bytes, &values)
+    write_ktx2(file, (n as u32, n as u32), format, &bytes, &BTreeMap::new())
 }

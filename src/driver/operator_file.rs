@@ -80,6 +80,7 @@ pub fn operator_file(baked: &Baked, settings: &BakeSettings, scene: &CompiledSce
         patches: operator.map.patches.list().to_vec(),
         of: operator.map.patches.of().to_vec(),
         escaped: operator.escaped.clone(),
+        seen: operator.seen.clone(),
         transport: operator.transport.clone(),
     }
 }
@@ -110,6 +111,7 @@ pub fn open_operator(file: OperatorFile, session: &dyn Session) -> Result<Operat
         map: PatchMap { elements, patches },
         transport: file.transport,
         escaped: file.escaped,
+        seen: file.seen,
         passes: file.info.passes,
     })
 }

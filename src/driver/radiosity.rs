@@ -198,6 +198,8 @@ pub struct Operator {
     pub transport: Transport,
     /// Share of each patch's rays that see the sky.
     pub escaped: Vec<f32>,
+    /// Share of each patch that is not covered; see [`FormFactors::seen`].
+    pub seen: Vec<f32>,
     /// Passes of a relighting.
     pub passes: u32,
 }
@@ -270,7 +272,7 @@ pub fn bake(
     let control = PassControl::whole(watcher, u64::from(settings.rays));
     let rows = session.form_factors(&map, &job, &control)?;
     clock.done("rays");
-    let mut form_factors = form_factors::assemble(&map.patches.areas(), &rows)?;
+    let (mut form_factors, seen) = form_factors::assemble(&map.patches.areas(), &rows)?.seen();
     let rays = rows.iter().map(|r: &Row| u64::from(r.rays)).sum();
     drop(rows);
     let targets = form_factors.targets();
@@ -282,7 +284,7 @@ pub fn bake(
     let Encoded { transport, passes, error } =
         encode(session, (&form_factors, &voxels), &truth, settings.codec, settings.passes)?;
     clock.done("encode");
-    let operator = Operator { map, transport, escaped: form_factors.escaped.clone(), passes };
+    let operator = Operator { map, transport, escaped: form_factors.escaped.clone(), seen, passes };
     Ok(Baked { operator, form_factors, balance, error, rays, stages: clock.stages })
 }
 
@@ -647,7 +649,7 @@ pub fn patch_light(
     if outcome.cancelled {
         return Err(BackendError::Cancelled);
     }
-    for (patch, sum) in sums.iter_mut().enumerate() {
+    for (patch, (sum, seen)) in sums.iter_mut().zip(&operator.seen).enumerate() {
         let mut area = 0.0;
         for element in map.patches.members(patch) {
             let weight = map.elements.weight(*element as usize);
@@ -655,7 +657,8 @@ pub fn patch_light(
             area += weight;
             *sum = [0, 1, 2].map(|c| sum[c] + weight * value[c]);
         }
-        *sum = sum.map(|s| s / area.max(f64::MIN_POSITIVE));
+        // What is covered has no light, and no part in the mean.
+        *sum = sum.map(|s| s / (area * f64::from(*seen)).max(f64::MIN_POSITIVE));
     }
     let environment = session.scene().environment;
     let sky = operator.escaped.iter().map(|e| environment.map(|l| e * PI * l)).collect();

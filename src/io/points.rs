@@ -13,17 +13,41 @@ const MAX_FILE: u64 = 1 << 30;
 
 /// A point on a surface, and its irradiance where that is known. Other fields of a file are ignored.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Wide")]
 pub struct Probe {
     /// Position \[m\].
     pub position: [f32; 3],
     /// Normal on the side that is asked about, any length but zero.
     pub normal: [f32; 3],
     /// Irradiance, direct and indirect \[W/m^2\] per channel.
-    #[serde(rename = "E", default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "E", skip_serializing_if = "Option::is_none")]
     pub irradiance: Option<[f32; 3]>,
     /// Standard error of `irradiance`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub stderr: Option<[f32; 3]>,
+}
+
+/// As a file has it: what lies beyond f32 is found by [`parse_points`], which can say where.
+#[derive(Deserialize)]
+struct Wide {
+    position: [f64; 3],
+    normal: [f64; 3],
+    #[serde(rename = "E", default)]
+    irradiance: Option<[f64; 3]>,
+    #[serde(default)]
+    stderr: Option<[f64; 3]>,
+}
+
+impl From<Wide> for Probe {
+    fn from(wide: Wide) -> Self {
+        let narrow = |v: [f64; 3]| v.map(|x| x as f32);
+        Self {
+            position: narrow(wide.position),
+            normal: narrow(wide.normal),
+            irradiance: wide.irradiance.map(narrow),
+            stderr: wide.stderr.map(narrow),
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -48,7 +72,7 @@ pub fn parse_points(bytes: &[u8], file: &Path) -> Result<Vec<Probe>, LoadError> 
     for (i, p) in document.probes.iter().enumerate() {
         let expected =
             |what| LoadError::unexpected(file, "a number beyond f32", what).field(format!("probe {}", i + 1));
-        // JSON has no infinity, but 1e999 is one when it is read.
+        // JSON has no infinity, but 1e60 is one as an f32.
         if !p.position.iter().chain(&p.normal).all(|x| x.is_finite()) {
             return Err(expected("a finite position and normal"));
         }

@@ -29,6 +29,7 @@
 //! | `patches` | n x 13 f32: area \[m^2\], position \[m\], normal, albedo, emission (radiosity, \[W/m^2\]) |
 //! | `elements` | u32 per element of the scene: its patch, 0xffff_ffff for none |
 //! | `escaped` | n f32: share of a patch's rays that see the sky |
+//! | `seen` | n f32: share of a patch that is not covered |
 //!
 //! Transport in tiles ([`etendue_core::radiosity::tiles`] has the layout of kinds and payload):
 //!
@@ -92,6 +93,8 @@ pub struct OperatorFile {
     pub of: Vec<u32>,
     /// Share of each patch's rays that see the sky.
     pub escaped: Vec<f32>,
+    /// Share of each patch that is not covered.
+    pub seen: Vec<f32>,
     /// How light gets from patch to patch.
     pub transport: Transport,
 }
@@ -127,18 +130,17 @@ impl OperatorFile {
         if let Some(i) = used.iter().position(|used| !used) {
             return Err(("elements", format!("none of patch {i}"), "at least one".into()));
         }
-        if self.escaped.len() != n {
-            return Err((
-                "escaped",
-                format!("{} numbers", self.escaped.len()),
-                format!("{n}, one per patch"),
-            ));
-        }
-        if let Some((i, x)) = self.escaped.iter().enumerate().find(|(_, x)| !(0.0..=1.0).contains(*x)) {
-            return Err(("escaped", format!("{x} at patch {i}"), "a number from 0 to 1".into()));
+        for (name, list, least) in [("escaped", &self.escaped, 0.0), ("seen", &self.seen, f32::MIN_POSITIVE)]
+        {
+            if list.len() != n {
+                return Err((name, format!("{} numbers", list.len()), format!("{n}, one per patch")));
+            }
+            if let Some((i, x)) = list.iter().enumerate().find(|(_, x)| !(least..=1.0).contains(*x)) {
+                return Err((name, format!("{x} at patch {i}"), "a number from 0 to 1".into()));
+            }
         }
         match &self.transport {
-            Transport::Tiles(relighter) => tiles::check(relighter, &self.patches),
+            Transport::Tiles(relighter) => tiles::check(relighter, &seen_areas(&self.patches, &self.seen)),
             Transport::Blocks(operator) => blocks::check(operator, &self.patches),
         }
     }
@@ -182,6 +184,7 @@ pub fn encode_operator(operator: &OperatorFile, file: &Path) -> Result<Vec<u8>, 
         Section::new(tag("patches"), container::floats(&flat(&operator.patches))),
         Section::new(tag("elements"), container::words(operator.of.iter().copied())),
         Section::new(tag("escaped"), container::floats(&operator.escaped)),
+        Section::new(tag("seen"), container::floats(&operator.seen)),
     ];
     let transport = match &operator.transport {
         Transport::Tiles(relighter) => TransportHead::Tiles(tiles::write(relighter, &mut sections)),
@@ -225,14 +228,26 @@ pub fn parse_operator(bytes: &[u8], file: &Path) -> Result<OperatorFile, LoadErr
     check_patches(&patches).map_err(wrong)?;
     let of = sections.take_words(tag("elements"))?;
     let escaped = sections.take_floats(tag("escaped"))?;
+    let seen = sections.take_floats(tag("seen"))?;
+    if seen.len() != patches.len() {
+        let (found, expected) = (format!("{} numbers", seen.len()), format!("{}", patches.len()));
+        return Err(LoadError::unexpected(file, found, expected).field("seen"));
+    }
     let transport = match head.transport {
-        TransportHead::Tiles(head) => Transport::Tiles(tiles::read(&head, &mut sections, &patches)?),
+        TransportHead::Tiles(head) => {
+            Transport::Tiles(tiles::read(&head, &mut sections, seen_areas(&patches, &seen))?)
+        }
         TransportHead::Blocks(head) => Transport::Blocks(blocks::read(&head, &mut sections)?),
     };
     sections.finish()?;
-    let operator = OperatorFile { info: head.info, patches, of, escaped, transport };
+    let operator = OperatorFile { info: head.info, patches, of, escaped, seen, transport };
     operator.check().map_err(wrong)?;
     Ok(operator)
+}
+
+/// Areas of what is not covered.
+fn seen_areas(patches: &[Patch], seen: &[f32]) -> Vec<f32> {
+    patches.iter().zip(seen).map(|(p, seen)| p.area * seen).collect()
 }
 
 /// Patches as numbers.

@@ -47,6 +47,7 @@ fn operator(n: usize, rates: Rates, coarse: Option<Rates>) -> OperatorFile {
         },
         of: (0..2 * n + 3).map(|i| if i >= 2 * n { NO_PATCH } else { (i % n.max(1)) as u32 }).collect(),
         escaped: (0..n).map(|i| noise(i, 5)).collect(),
+        seen: vec![1.0; n],
         patches,
         transport: Transport::Tiles(relighter),
     }
@@ -130,14 +131,14 @@ fn the_bytes_are_those_of_version_1() {
     }
     let head = "6574656e64756500\
         01000000\
-        10000000";
+        11000000";
     let found: String = bytes[..16].iter().map(|b| format!("{b:02x}")).collect();
     assert_eq!(found, head);
     assert_eq!(u64::from_le_bytes(bytes[16..24].try_into().unwrap()), bytes.len() as u64);
     let names: Vec<String> = sections(&bytes).iter().map(|s| container::name(&s.tag)).collect();
     assert_eq!(
         names.join(" "),
-        "info patches elements escaped albedo factors weights spread kinds tiles kinds0 tiles0 kinds1 tiles1 kinds2 tiles2"
+        "info patches elements escaped seen albedo factors weights spread kinds tiles kinds0 tiles0 kinds1 tiles1 kinds2 tiles2"
     );
     for i in 0..names.len() {
         assert_eq!(bytes[64 + 64 * i + 8] % 64, 0, "sections begin at multiples of 64");
@@ -253,7 +254,7 @@ fn wrong_numbers_are_refused_with_a_reason() {
     assert!(said.contains("no known kind"), "{said}");
     let said = with("tiles", |b| b[..2].fill(0xff)).unwrap_err();
     assert!(said.contains("not finite"), "{said}");
-    for name in ["patches", "elements", "escaped", "albedo", "factors"] {
+    for name in ["patches", "elements", "escaped", "seen", "albedo", "factors"] {
         for cut in 1..=4 {
             let said = with(name, |b| b.truncate(b.len() - cut));
             assert!(said.is_err() || name == "elements", "{name} without {cut} bytes");

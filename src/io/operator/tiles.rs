@@ -3,7 +3,6 @@
 use super::Wrong;
 use super::container::{Section, Sections, Tag, floats, name, tag};
 use crate::io::error::LoadError;
-use etendue_core::radiosity::patches::Patch;
 use etendue_core::radiosity::relight::{CoarseParts, Relighter};
 use etendue_core::radiosity::tiles::{Kind, Rates, Tiles, tile_rows};
 use serde::{Deserialize, Serialize};
@@ -34,8 +33,8 @@ enum RatesJson {
 }
 
 /// What does not belong to these patches, or would not come back.
-pub(super) fn check(relighter: &Relighter, patches: &[Patch]) -> Result<(), Wrong> {
-    if !relighter.areas().iter().eq(patches.iter().map(|p| &p.area)) {
+pub(super) fn check(relighter: &Relighter, areas: &[f32]) -> Result<(), Wrong> {
+    if relighter.areas() != areas {
         return Err(("tiles", "transport between other areas".into(), "those of the patches".into()));
     }
     match relighter.coarse().map(|c| c.rates()) {
@@ -69,10 +68,10 @@ pub(super) fn write<'a>(relighter: &'a Relighter, sections: &mut Vec<Section<'a>
 pub(super) fn read(
     head: &TilesHead,
     sections: &mut Sections<'_>,
-    patches: &[Patch],
+    areas: Vec<f32>,
 ) -> Result<Relighter, LoadError> {
     let file = sections.file();
-    let n = patches.len();
+    let n = areas.len();
     let albedo = sections.take_floats(tag("albedo"))?;
     let (albedo, rest) = albedo.as_chunks::<3>();
     if !rest.is_empty() {
@@ -82,7 +81,6 @@ pub(super) fn read(
     let factors = sections.take_floats(tag("factors"))?;
     let weights = sections.take_floats(tag("weights"))?;
     let tiles = one(sections, ALL[0], n)?;
-    let areas = patches.iter().map(|p| p.area).collect();
     let refused = |e| LoadError::decode(file, "operator", e);
     let relighter = Relighter::new(tiles, areas, factors, albedo).map_err(refused)?;
     let relighter = relighter.with_weights(weights).map_err(refused)?;

@@ -46,6 +46,9 @@ impl fmt::Display for RowError {
 
 impl core::error::Error for RowError {}
 
+/// Least share of a patch that counts as seen.
+const SEEN_LEAST: f32 = 1e-3;
+
 /// Form factors between n patches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormFactors {
@@ -191,6 +194,20 @@ impl FormFactors {
             .zip(&self.lost)
             .map(|(e, l)| (1.0 - f64::from(*e) - f64::from(*l)).max(0.0))
             .collect()
+    }
+
+    /// The same without what is covered, and the share of each patch that is left: points whose rays meet what is no patch lie under something, as the floor under a box does, and are no part of what light falls on.
+    /// What patches send each other is what it was; only areas are smaller, so that no light is lost. At least a thousandth is left.
+    #[must_use]
+    pub fn seen(mut self) -> (Self, Vec<f32>) {
+        let seen: Vec<f32> = self.lost.iter().map(|l| (1.0 - l).clamp(SEEN_LEAST, 1.0)).collect();
+        for (i, seen) in seen.iter().enumerate() {
+            self.areas[i] *= seen;
+            self.stderr[i] /= seen;
+            self.escaped[i] = (self.escaped[i] / seen).clamp(0.0, 1.0);
+            self.lost[i] = 0.0;
+        }
+        (self, seen)
     }
 
     /// The same with patches in another order: patch i of the result is patch `order[i]` of this one, a permutation.

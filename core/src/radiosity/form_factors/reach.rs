@@ -107,29 +107,37 @@ pub fn walk<I: Intersector + ?Sized>(
     false
 }
 
-/// Whether any ray from an element side of a triangle meets nothing.
+/// What rays from an element side of a triangle meet: how many a side that `met` knows, how many another side, how many nothing.
 ///
-/// To ask for what is met instead would not do: an element of a floor that lies partly under a box is met, and seen by all of the box's inside.
+/// To ask whether any meets a known side would not do for an element that walks have missed: an element of a floor that lies partly under a box is known, and seen by all of the box's inside.
 #[inline(always)]
-pub fn sees_infinity<I: Intersector + ?Sized>(
+pub fn look<I: Intersector + ?Sized>(
     scene: &CompiledScene,
     intersector: &I,
     elements: &Elements,
     (element, triangle): (u32, u32),
     numbers: &Numbers,
-) -> bool {
+    met: impl Fn(u32) -> bool,
+) -> [u32; 3] {
     let (Some(vertices), Some(record)) =
         (scene.primitives().vertices(triangle), scene.surfaces.get(triangle as usize))
     else {
-        return false;
+        return [0; 3];
     };
     let front = Vec3::from_array(record.normal);
     let normal = if elements.is_back(element) { -front } else { front };
-    (0..LOOKS).any(|k| {
+    let mut counts = [0; 3];
+    for k in 0..LOOKS {
         let [a, b, u, v] = numbers.group4(k);
         let [b1, b2] = elements.bary_on(triangle, element, [a, b]);
         let direction = diffuse::sample(normal, [u, v]);
         let origin = offset_origin(&hit_point_with(vertices, b1, b2, record.sliver), normal, direction);
-        intersector.closest_hit(&Ray { origin, direction, t_max: f32::INFINITY }).is_none()
-    })
+        let ray = Ray { origin, direction, t_max: f32::INFINITY };
+        let what = match intersector.closest_hit(&ray) {
+            None => 2,
+            Some(hit) => usize::from(!side_of(scene, elements, &ray, &hit).is_some_and(&met)),
+        };
+        counts[what] += 1;
+    }
+    counts
 }
