@@ -87,9 +87,9 @@ pub enum Order {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Transport {
     /// Form factors in tiles.
-    Tiles(Relighter),
+    Tiles(Box<Relighter>),
     /// Texture blocks.
-    Blocks(BlockOperator),
+    Blocks(Box<BlockOperator>),
 }
 
 /// Room for relighting.
@@ -352,17 +352,20 @@ pub fn probe_lights(map: &PatchMap, row_sums: &[f64], purpose: ProbeLights) -> V
     lights
 }
 
+/// A number per patch and channel.
+pub type Light = Vec<[f32; 3]>;
+
 /// Probe lights, and light of all their bounces from form factors as they are.
 #[derive(Clone, Debug)]
 pub struct Truth {
     /// Form factors in f32, with their clusters in f32.
     pub relighter: Relighter,
     /// Direct irradiance of each light that measures.
-    pub lights: Vec<Vec<[f32; 3]>>,
+    pub lights: Vec<Light>,
     /// Indirect irradiance of each.
-    pub exact: Vec<Vec<[f32; 3]>>,
+    pub exact: Vec<Light>,
     /// The same for lights that weights are found by.
-    pub fit: (Vec<Vec<[f32; 3]>>, Vec<Vec<[f32; 3]>>),
+    pub fit: [Vec<Light>; 2],
     /// Bounces that the light is of; `None`: all.
     pub bounces: Option<u32>,
 }
@@ -405,7 +408,7 @@ impl Truth {
         let [lights, fit] = [ProbeLights::Measure, ProbeLights::Fit].map(|p| probe_lights(map, &row_sums, p));
 
         let (exact, fitted) = (solve(&lights)?, solve(&fit)?);
-        Ok(Self { relighter, lights, exact, fit: (fit, fitted), bounces })
+        Ok(Self { relighter, lights, exact, fit: [fit, fitted], bounces })
     }
 
     /// Weights for so many passes.
@@ -415,7 +418,7 @@ impl Truth {
     pub fn weights(&self, session: &dyn Session, passes: u32) -> Result<Vec<f32>, BakeError> {
         let mut room = Workspace::default();
         let plain = self.relighter.clone().with_weights(Vec::new())?;
-        weights::fit(plain.areas(), &self.fit.0, &self.fit.1, passes, |light, passes, found| {
+        weights::fit(plain.areas(), &self.fit[0], &self.fit[1], passes, |light, passes, found| {
             Ok(session.relight(&plain, (light, &[]), found, passes, &mut room)?)
         })
     }
@@ -526,7 +529,7 @@ fn encode_blocks(
         Matrix::FormFactors { bounces } => bounces,
         _ => 1,
     };
-    let transport = Transport::Blocks(made);
+    let transport = Transport::Blocks(Box::new(made));
     let error = truth.measure(session, &transport, passes)?;
     Ok(Encoded { transport, passes, error })
 }
@@ -536,7 +539,7 @@ fn bounces_needed(session: &dyn Session, truth: &Truth) -> Result<u32, BakeError
     if let Some(bounces) = truth.bounces {
         return Ok(bounces);
     }
-    let plain = Transport::Tiles(truth.relighter.clone().without_coarse());
+    let plain = Transport::Tiles(Box::new(truth.relighter.clone().without_coarse()));
     let mut bounces = 4;
     while bounces < BOUNCES_MOST && truth.measure(session, &plain, bounces)?.rms > FULL_ERROR {
         bounces += bounces / 2;
@@ -570,7 +573,7 @@ pub fn encode(
             break Vec::new();
         }
         let weights = truth.weights(session, count)?;
-        let made = Transport::Tiles(truth.relighter.clone().with_weights(weights.clone())?);
+        let made = Transport::Tiles(Box::new(truth.relighter.clone().with_weights(weights.clone())?));
         let good = truth.measure(session, &made, count)?.rms <= limit;
         if good || passes.is_some() || count >= PASSES_MOST {
             break weights;
@@ -583,7 +586,7 @@ pub fn encode(
         let relighter = Relighter::of(form_factors, &albedo, tiles)?
             .with_coarse_of(&truth.relighter, coarse)?
             .with_weights(weights.clone())?;
-        let transport = Transport::Tiles(relighter);
+        let transport = Transport::Tiles(Box::new(relighter));
         let error = truth.measure(session, &transport, count)?;
         Ok(Encoded { transport, passes: count, error })
     };

@@ -235,9 +235,9 @@ pub fn parse_operator(bytes: &[u8], file: &Path) -> Result<OperatorFile, LoadErr
     }
     let transport = match head.transport {
         TransportHead::Tiles(head) => {
-            Transport::Tiles(tiles::read(&head, &mut sections, seen_areas(&patches, &seen))?)
+            Transport::Tiles(Box::new(tiles::read(&head, &mut sections, seen_areas(&patches, &seen))?))
         }
-        TransportHead::Blocks(head) => Transport::Blocks(blocks::read(&head, &mut sections)?),
+        TransportHead::Blocks(head) => Transport::Blocks(Box::new(blocks::read(&head, &mut sections)?)),
     };
     sections.finish()?;
     let operator = OperatorFile { info: head.info, patches, of, escaped, seen, transport };

@@ -49,7 +49,7 @@ fn operator(n: usize, rates: Rates, coarse: Option<Rates>) -> OperatorFile {
         escaped: (0..n).map(|i| noise(i, 5)).collect(),
         seen: vec![1.0; n],
         patches,
-        transport: Transport::Tiles(relighter),
+        transport: Transport::Tiles(Box::new(relighter)),
     }
 }
 

@@ -292,9 +292,9 @@ impl Relighter {
     fn norm(&self, values: &[Planes<3>]) -> f64 {
         let mut sum = 0.0;
         for (i, area) in self.areas.iter().enumerate() {
-            for c in 0..3 {
-                let x = f64::from(values[i / SIDE][c][i % SIDE]);
-                sum += f64::from(*area) * f64::from(self.albedo[i / SIDE][c][i % SIDE]) * x * x;
+            for (plane, rho) in values[i / SIDE].iter().zip(&self.albedo[i / SIDE]) {
+                let x = f64::from(plane[i % SIDE]);
+                sum += f64::from(*area) * f64::from(rho[i % SIDE]) * x * x;
             }
         }
         math::sqrt64(sum)

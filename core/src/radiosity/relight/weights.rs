@@ -16,7 +16,7 @@ const DRAW: f64 = 1e-9;
 /// Weights for so many passes, from lights (direct irradiance per patch) and their exact indirect irradiance. `relight` gives the indirect irradiance of a light after
 /// a number of passes, none of them weighted.
 ///
-/// What they make least is the mean over lights of squares of the relative error, by area, and of the relative error of the total, the latter times [`TOTAL`].
+/// What they make least is the mean over lights of squares of the relative error, by area, and of the relative error of the total, the latter four times.
 ///
 /// # Errors
 /// Of `relight`; a light that has another number of patches than there are areas.
