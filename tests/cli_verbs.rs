@@ -40,7 +40,7 @@ fn info_tells_what_a_scene_holds() {
     assert!(v["seconds"]["total"].as_f64().unwrap() >= 0.0);
     assert_eq!(v["camera"], json!({"width": 256, "height": 256}));
     assert_eq!(v["media"], json!(0));
-    assert_eq!(v["methods"], json!(["path", "photon"]));
+    assert_eq!(v["methods"], json!(["path", "photon", "radiosity"]));
     assert_eq!(v["needs"]["area_lights"], json!(true));
     assert_eq!(v["needs"]["media"], json!(false));
     assert!(v["lights"].as_object().unwrap().len() == 1, "{}", v["lights"]);
