@@ -135,6 +135,18 @@ fn multiply<const C: usize>(
     }
 }
 
+/// Sum of eight lanes.
+#[inline(always)]
+fn pairwise(s: &[f32; SIDE]) -> f32 {
+    ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]))
+}
+
+/// The mean of a tile that is one.
+#[inline(always)]
+fn mean_of(payload: &[u8]) -> f32 {
+    payload.first_chunk::<2>().map_or(0.0, |scale| scale_of(u16::from_le_bytes(*scale)))
+}
+
 /// Room for products: none is asked for while they run.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch<const C: usize> {
@@ -161,6 +173,8 @@ impl Tiles {
             let (Some(xr), Some(start)) = (x.get(row), self.rows.get(row)) else { return };
             let mut payload = self.payload.get(*start as usize..).unwrap_or(&[]);
             let mut sums = [[[0.0; SIDE]; SIDE]; C];
+            // Tiles of one mean send the same to each row, and to each column of theirs.
+            let (mut flat, total) = ([[0.0; SIDE]; C], xr.map(|x| pairwise(&x)));
             for (column, xc) in x.iter().enumerate().take(row + 1) {
                 let kind = self.kind(row, column);
                 if kind == Kind::Empty {
@@ -168,14 +182,31 @@ impl Tiles {
                 }
                 let (bytes, rest) = payload.split_at_checked(kind.bytes()).unwrap_or((&[], &[]));
                 payload = rest;
+                if kind == Kind::Mean {
+                    let mean = mean_of(bytes);
+                    for (flat, x) in flat.iter_mut().zip(xc) {
+                        for k in 0..SIDE {
+                            flat[k] += mean * x[k];
+                        }
+                    }
+                    if column < row
+                        && let Some(columns) = columns.get_mut(column)
+                    {
+                        for (columns, total) in columns.iter_mut().zip(&total) {
+                            let sent = mean * total;
+                            columns.iter_mut().for_each(|y| *y += sent);
+                        }
+                    }
+                    continue;
+                }
                 let tile = decode(kind, bytes);
                 let target = if column < row { columns.get_mut(column) } else { None };
                 multiply(&tile, [xr, xc], &mut sums, target);
             }
             for c in 0..C {
+                let flat = pairwise(&flat[c]);
                 for r in 0..SIDE {
-                    let s = &sums[c][r];
-                    y[c][r] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+                    y[c][r] = pairwise(&sums[c][r]) + flat;
                 }
             }
         }
