@@ -50,7 +50,7 @@ fn tables(plan: &Plan) -> Outcome<String> {
             out += &format!(
                 "\n### {}: {n} patches, time\n\n![error against time](operator/{time})\n\n{}",
                 case.name,
-                fast::text(&one, &made, &timed)?
+                fast::text(&one, &made, &table, &timed)?
             );
             println!("{out}");
         }

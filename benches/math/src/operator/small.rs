@@ -180,13 +180,33 @@ pub fn text(table: &Table, made: &Made) -> String {
     out
 }
 
-/// Whether the row that targets are for reaches them.
+/// What the table says, and whether the row that targets are for reaches them.
 pub fn targets(table: &Table, made: &Made) -> String {
     let Some(auto) = table.row(AUTO) else { return String::new() };
+    let pairs = (made.len() * made.len()) as f64;
+    let mut said = format!(
+        "`{AUTO}` takes {:.0} times fewer bytes than M in f32 and {:.0} times fewer than F in f32",
+        12.0 * pairs / auto.bytes as f64,
+        4.0 * pairs / auto.bytes as f64
+    );
+    for start in [PUBLISHED, "bc1"] {
+        if let Some(other) = table.rows.iter().find(|r| r.name.starts_with(start)) {
+            said += &format!(
+                ", {:.1} times fewer than `{}`, whose error is {:.0} times as large",
+                other.bytes as f64 / auto.bytes as f64,
+                other.name,
+                other.error.rms / auto.error.rms
+            );
+        }
+    }
+    if let Some(plain) = table.row(PLAIN) {
+        said += &format!("; three bounces with no compression err by {:.1} %", 100.0 * plain.error.rms);
+    }
     let (bytes, error) = (made.per_pair(auto.bytes), auto.error);
     let most = if made.len() > 6000 { 0.11 } else { 0.15 };
     let found = format!("{:.2} % at {bytes:.3} in {} passes", 100.0 * error.rms, auto.passes);
-    let mut out = target(
+    let mut out = format!("{said}.\n\n");
+    out += &target(
         &format!("at most 1 % in 3 passes at {most} B per pair"),
         &found,
         error.rms <= 0.01 && auto.passes <= 3 && bytes <= most,
