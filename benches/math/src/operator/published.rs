@@ -34,7 +34,7 @@ pub fn text(table: &PublishedTable) -> String {
     let pairs = (table.patches * table.patches) as f64;
     for (order, name) in table.orders.iter().zip(["none", "one pass", "two passes"]) {
         out += &format!(
-            "| {name} | {:.2e} | {:.4} | {:.2} | {:.2} | {} | {:.3} | {:.2} | {:.2} |\n",
+            "| {name} | {:.2e} | {:.2e} | {:.2} | {:.2} | {} | {:.3} | {:.2} | {:.2} |\n",
             order.mean,
             order.max,
             order.total,
