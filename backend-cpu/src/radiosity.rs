@@ -17,7 +17,7 @@ use etendue_core::radiosity::tiles::{
 };
 use etendue_core::radiosity::transfer::{self, PatchGrid, Transfer};
 use etendue_core::sampling::numbers::Numbers;
-use etendue_core::scene::CompiledScene;
+use etendue_core::scene::{CompiledScene, NO_INDEX};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -132,7 +132,12 @@ pub(crate) fn patches(
     let clustering = Clustering::new(scene, &elements);
     let clustering = clustering.retain(|element| reached[element]);
     let near = NEAR * elements.settings().largest;
-    let kind = |(element, place)| reach::kind(scene, tree, &elements, (element as u32, place), near);
+    // Primitives of all elements, once: each element asks for one.
+    let owners = elements.owners();
+    let kind = |(element, place): (usize, _)| {
+        let primitive = owners.get(element % owners.len().max(1)).copied().unwrap_or(NO_INDEX);
+        reach::kind(scene, tree, &elements, (element as u32, primitive, place), near)
+    };
     let kinds: Vec<u8> = pool.install(|| clustering.places().par_iter().enumerate().map(kind).collect());
     let clusters = clustering.apart(kinds).by_count(settings.count as usize);
     let patches = Patches::new(scene, &elements, &clusters);

@@ -1,7 +1,7 @@
 //! Figures as SVG, tables as Markdown.
 #![allow(clippy::disallowed_methods, reason = "lengths on paper")]
 
-use crate::figure::{Contest, Curves, Series};
+use crate::figure::{Contest, Curves, Dots, Series};
 use crate::timing::Timed;
 use plotters::coord::Shift;
 use plotters::coord::combinators::{BindKeyPoints, LogCoord, WithKeyPoints};
@@ -108,23 +108,33 @@ pub fn short(v: f64) -> String {
 /// Error over speed, a numbered dot a contender with its name at the right: ours filled, rivals hollow. An error of zero stands
 /// on the lower frame, one that is not a number is left to the table.
 pub fn contest(contest: &Contest, timed: &[Timed], file: &Path) -> Outcome {
+    let x_label = format!("{} per second", plural(contest.item));
+    let list: Vec<_> = timed.iter().map(|t| (t.name.as_str(), t.ours, (t.rate, t.error))).collect();
+    numbered(contest.title, [&x_label, contest.error_label], &list, file)
+}
+
+/// Numbered dots in the same style.
+pub fn dots(dots: &Dots, file: &Path) -> Outcome {
+    let list: Vec<_> = dots.dots.iter().map(|d| (d.name.as_str(), d.ours, d.at)).collect();
+    numbered(dots.title, dots.labels, &list, file)
+}
+
+fn numbered(title: &str, labels: [&str; 2], list: &[(&str, bool, (f64, f64))], file: &Path) -> Outcome {
     const LEGEND: i32 = 300;
     let root = SVGBackend::new(file, (SIZE.0 + LEGEND as u32, SIZE.1)).into_drawing_area();
     root.fill(&WHITE)?;
-    let ys = bounds(timed.iter().map(|t| t.error));
-    let xs = bounds(timed.iter().map(|t| t.rate));
-    let x_label = format!("{} per second", plural(contest.item));
-    let labels = [x_label.as_str(), contest.error_label];
-    let mut chart = chart(&root, contest.title, labels, [xs, ys.clone()], LEGEND as u32 + 12)?;
-    for (i, t) in timed.iter().enumerate() {
+    let ys = bounds(list.iter().map(|d| d.2.1));
+    let xs = bounds(list.iter().map(|d| d.2.0));
+    let mut chart = chart(&root, title, labels, [xs, ys.clone()], LEGEND as u32 + 12)?;
+    for (i, (name, ours, (x, y))) in list.iter().enumerate() {
         let colour = COLOURS[i % COLOURS.len()];
-        let style = if t.ours { colour.filled() } else { colour.stroke_width(2) };
+        let style = if *ours { colour.filled() } else { colour.stroke_width(2) };
         let font = || ("sans-serif", 14).into_font().color(&colour);
         let line = 60 + 24 * i as i32;
         root.draw(&Circle::new((SIZE.0 as i32 + 8, line + 7), 5, style))?;
-        root.draw(&Text::new(format!("{}  {}", i + 1, t.name), (SIZE.0 as i32 + 20, line), font()))?;
-        if t.error.is_finite() {
-            let at = (t.rate, if t.error > 0.0 { t.error } else { ys.start });
+        root.draw(&Text::new(format!("{}  {name}", i + 1), (SIZE.0 as i32 + 20, line), font()))?;
+        if y.is_finite() {
+            let at = (*x, if *y > 0.0 { *y } else { ys.start });
             chart.draw_series([EmptyElement::at(at)
                 + Circle::new((0, 0), 5, style)
                 + Text::new((i + 1).to_string(), (7, -14), font())])?;

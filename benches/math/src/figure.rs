@@ -49,3 +49,23 @@ pub struct Curves {
     /// The curves.
     pub series: Vec<Series>,
 }
+
+/// One numbered dot.
+pub struct Dot {
+    /// Its name.
+    pub name: String,
+    /// Drawn filled; others are drawn hollow.
+    pub ours: bool,
+    /// Where (x, y).
+    pub at: (f64, f64),
+}
+
+/// Dots with a legend, logarithmic both ways.
+pub struct Dots {
+    /// What is shown, in words.
+    pub title: &'static str,
+    /// The axes, with their units.
+    pub labels: [&'static str; 2],
+    /// The dots.
+    pub dots: Vec<Dot>,
+}

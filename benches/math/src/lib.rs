@@ -6,6 +6,7 @@ pub mod figure;
 pub mod first_shot;
 pub mod linear_triangle;
 pub mod log_offset;
+pub mod operator;
 pub mod polynomial;
 pub mod subdivide;
 pub mod timing;

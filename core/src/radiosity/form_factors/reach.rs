@@ -68,11 +68,9 @@ pub fn kind<I: Intersector + ?Sized>(
     scene: &CompiledScene,
     intersector: &I,
     elements: &Elements,
-    (element, place): (u32, &ElementPlace),
+    (element, primitive, place): (u32, u32, &ElementPlace),
     near: f32,
 ) -> u8 {
-    let owners = elements.owners();
-    let primitive = owners.get(element as usize % owners.len().max(1)).copied().unwrap_or(NO_INDEX);
     let Some(record) = scene.surfaces.get(primitive as usize) else { return 0 };
     let light =
         if elements.is_back(element) || record.light == NO_INDEX { 0 } else { 1 + (record.light % 7) as u8 };
