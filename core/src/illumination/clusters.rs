@@ -9,6 +9,8 @@ use alloc::vec::Vec;
 const SMALL: f64 = 0.01;
 /// "No cluster": of elements without area.
 pub const NO_CLUSTER: u32 = u32::MAX;
+/// Layers of a voxel where they are told apart.
+const LAYERS: f32 = 4.0;
 /// Bits of a voxel's number along an axis, and of what elements of a cluster have alike: kind, axis, direction.
 const CELL_BITS: u32 = 19;
 const LIKE_BITS: u32 = 7;
@@ -60,7 +62,8 @@ impl Clustering {
         self
     }
 
-    /// Keeps elements of different kinds apart: one of 16 per element.
+    /// Keeps elements of different kinds apart, one of 16 per element; and such as lie in different layers: voxels are thin along the normal then, so that the two faces
+    /// of a wall and a floor below, or a gallery and a roof above it, are not one.
     #[must_use]
     pub fn apart(mut self, kinds: Vec<u8>) -> Self {
         self.kinds = kinds;
@@ -79,11 +82,13 @@ impl Clustering {
 
     fn key(&self, i: usize, size: f32, shift: Vec3, signed: bool) -> u64 {
         let p = &self.places[i];
-        let cell = ((p.position - self.low) / size + shift)
-            .to_array()
-            .map(|x| u64::from(x as u32).min((1 << CELL_BITS) - 1));
         let n = p.normal.to_array();
         let axis = (0..3).fold(0, |best, k| if n[k].abs() > n[best].abs() { k } else { best });
+        let mut cell = ((p.position - self.low) / size + shift).to_array();
+        if !self.kinds.is_empty() {
+            cell[axis] *= LAYERS;
+        }
+        let cell = cell.map(|x| u64::from(x as u32).min((1 << CELL_BITS) - 1));
         let side = u64::from(signed && n[axis] < 0.0);
         let kind = u64::from(self.kinds.get(i).copied().unwrap_or(0) & 15);
         let place = cell[0] << (2 * CELL_BITS) | cell[1] << CELL_BITS | cell[2];
