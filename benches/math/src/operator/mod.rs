@@ -61,7 +61,7 @@ impl Made {
         let patches = 0..map.patches.len() as u32;
         let job = FormFactorJob { seed: defaults.patches.seed, rays: defaults.rays, patches };
         let rows = session.form_factors(&map, &job, &NoControl)?;
-        let mut form_factors = form_factors::assemble(&map.patches.areas(), &rows)?;
+        let (mut form_factors, _) = form_factors::assemble(&map.patches.areas(), &rows)?.seen();
         let targets = form_factors.targets();
         form_factors::balance(&mut form_factors, &targets, BALANCE_STEPS);
         let albedo: Vec<[f32; 3]> = map.patches.list().iter().map(|p| p.albedo).collect();

@@ -124,7 +124,7 @@ pub fn measure(session: &dyn Session, made: &Made, times: &mut Times) -> Outcome
             transport: Some(encoded.transport),
         });
     }
-    let plain = Transport::Tiles(made.truth.relighter.clone().without_coarse());
+    let plain = Transport::Tiles(Box::new(made.truth.relighter.clone().without_coarse()));
     let error = made.truth.measure(session, &plain, BOUNCES)?;
     let row = |name: &str, bytes, passes| Row {
         name: name.into(),
@@ -146,7 +146,7 @@ pub fn measure(session: &dyn Session, made: &Made, times: &mut Times) -> Outcome
 /// Of the driver.
 pub fn plain_passes(session: &dyn Session, made: &Made, error: f64) -> Outcome<u32> {
     const MOST: u32 = 200;
-    let plain = Transport::Tiles(made.truth.relighter.clone().without_coarse());
+    let plain = Transport::Tiles(Box::new(made.truth.relighter.clone().without_coarse()));
     for passes in 1..MOST {
         if made.truth.measure(session, &plain, passes)?.rms <= error {
             return Ok(passes);
