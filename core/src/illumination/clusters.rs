@@ -9,10 +9,12 @@ use alloc::vec::Vec;
 const SMALL: f64 = 0.01;
 /// "No cluster": of elements without area.
 pub const NO_CLUSTER: u32 = u32::MAX;
-/// Layers of a voxel where they are told apart.
+/// Layers of a voxel's edge where they are told apart, and where they begin: not where planes are likely to lie.
 const LAYERS: f32 = 4.0;
+const LAYER_START: f32 = 4.37;
+const LAYER_BITS: u32 = 3;
 /// Bits of a voxel's number along an axis, and of what elements of a cluster have alike: kind, axis, direction.
-const CELL_BITS: u32 = 19;
+const CELL_BITS: u32 = 18;
 const LIKE_BITS: u32 = 7;
 /// Steps by which the size of voxels is found for a number of clusters.
 const STEPS: usize = 40;
@@ -27,6 +29,12 @@ pub struct Clusters {
     pub count: usize,
     /// Edge of the voxels \[m\].
     pub size: f32,
+}
+
+/// Layer of an element in its voxel: how far its plane is from the voxel's centre. Planes are not cut by it, however they lie.
+fn layer(cell: Vec3, normal: Vec3) -> u64 {
+    let centre = Vec3::from_array(cell.to_array().map(|x| math::floor(x) + 0.5));
+    u64::from((LAYERS * (cell - centre).dot(normal) + LAYER_START) as u32).min((1 << LAYER_BITS) - 1)
 }
 
 /// What clusters are made of: where elements are, for any number of divisions.
@@ -62,8 +70,8 @@ impl Clustering {
         self
     }
 
-    /// Keeps elements of different kinds apart, one of 16 per element; and such as lie in different layers: voxels are thin along the normal then, so that the two faces
-    /// of a wall and a floor below, or a gallery and a roof above it, are not one.
+    /// Keeps elements of different kinds apart, one of 16 per element; and such as lie in different layers of a voxel, along
+    /// their normals, so that a floor and the roof above it are not one.
     #[must_use]
     pub fn apart(mut self, kinds: Vec<u8>) -> Self {
         self.kinds = kinds;
@@ -84,15 +92,13 @@ impl Clustering {
         let p = &self.places[i];
         let n = p.normal.to_array();
         let axis = (0..3).fold(0, |best, k| if n[k].abs() > n[best].abs() { k } else { best });
-        let mut cell = ((p.position - self.low) / size + shift).to_array();
-        if !self.kinds.is_empty() {
-            cell[axis] *= LAYERS;
-        }
-        let cell = cell.map(|x| u64::from(x as u32).min((1 << CELL_BITS) - 1));
+        let cell = (p.position - self.low) / size + shift;
+        let number = cell.to_array().map(|x| u64::from(x as u32).min((1 << CELL_BITS) - 1));
         let side = u64::from(signed && n[axis] < 0.0);
         let kind = u64::from(self.kinds.get(i).copied().unwrap_or(0) & 15);
-        let place = cell[0] << (2 * CELL_BITS) | cell[1] << CELL_BITS | cell[2];
-        place << LIKE_BITS | kind << 3 | (axis as u64) << 1 | side
+        let layer = if self.kinds.is_empty() { 0 } else { layer(cell, p.normal) };
+        let place = number[0] << (2 * CELL_BITS) | number[1] << CELL_BITS | number[2];
+        (place << LAYER_BITS | layer) << LIKE_BITS | kind << 3 | (axis as u64) << 1 | side
     }
 
     /// Elements in the order of their cells, each with its cell's key: voxels of edge `size` \[m\] shifted by `shift` (in voxels), and the axis nearest

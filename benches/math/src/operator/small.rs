@@ -97,7 +97,10 @@ pub fn measure(session: &dyn Session, made: &Made, times: &mut Times) -> Outcome
             && is_dense(codec)
         {
             // Matrices are multiplied in n^3 operations.
-            let guess = seconds * (n as f64 / *size as f64).powi(3);
+            let guess = seconds * {
+                let x = n as f64 / *size as f64;
+                x * x * x
+            };
             if guess > PATIENCE {
                 table.without.push(format!("{name} (about {guess:.0} s to encode)"));
                 continue;

@@ -209,8 +209,8 @@ impl Tiles {
             }
             for c in 0..C {
                 let flat = pairwise(&flat[c]);
-                for r in 0..SIDE {
-                    y[c][r] = pairwise(&sums.0[c][r]) + flat;
+                for (y, sums) in y[c].iter_mut().zip(&sums.0[c]) {
+                    *y = pairwise(sums) + flat;
                 }
             }
         }
