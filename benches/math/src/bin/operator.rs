@@ -1,6 +1,6 @@
 //! `cargo run --release -p etendue-benches --bin operator [-- PART ...]`: writes `docs/operator.md` with its figures.
 //!
-//! Parts are `tables`, `published`, `bake` and `probes`; with names of parts only these are written anew, and the rest of the page stays. `--quick` prints all of it for 1000 patches,
+//! Parts are the tables of a scene (`cornell`, `colonnade`, `sponza`), `published`, `bake` and `probes`; with names of parts only these are written anew, and the rest of the page stays. `--quick` prints all of it for 1000 patches,
 //! `--sizes 1000,2000` for others, and neither writes. `ETENDUE_SCENES` names the folder of the shared scenes; without it Sponza and the probes are left out.
 #![allow(clippy::disallowed_methods, reason = "a program that prints")]
 
@@ -8,7 +8,7 @@ use etendue_benches::draw;
 use etendue_benches::operator::{Made, Outcome, bake, fast, open, probes, published, scenes, small};
 use std::path::{Path, PathBuf};
 
-const PARTS: [&str; 4] = ["tables", "published", "bake", "probes"];
+const PARTS: [&str; 6] = ["cornell", "colonnade", "sponza", "published", "bake", "probes"];
 /// Threads of a bake.
 const THREADS: usize = 2;
 
@@ -24,10 +24,10 @@ struct Plan {
     figures: PathBuf,
 }
 
-/// Bytes and time of each scene.
-fn tables(plan: &Plan) -> Outcome<String> {
+/// Bytes and time of a scene.
+fn tables(name: &str, plan: &Plan) -> Outcome<String> {
     let mut out = String::new();
-    for case in scenes::cases(plan.data.as_deref())? {
+    for case in scenes::cases(plan.data.as_deref())?.iter().filter(|c| c.name == name) {
         out += &format!("## {}\n\n{}; {} triangles.\n", case.name, case.about, case.scene.triangles.len());
         let mut times = small::Times::new();
         for count in &plan.sizes {
@@ -52,19 +52,14 @@ fn tables(plan: &Plan) -> Outcome<String> {
                 case.name,
                 fast::text(&one, &made, &table, &timed)?
             );
-            println!("{out}");
         }
-        out += "\n";
     }
     Ok(out)
 }
 
 fn part(name: &str, plan: &Plan) -> Outcome<String> {
     match name {
-        "tables" => {
-            let text = tables(plan)?;
-            Ok(format!("{}\n{text}", include_str!("../operator/tables.md")))
-        }
+        "cornell" | "colonnade" | "sponza" => tables(name, plan),
         "published" => {
             let cases = scenes::cases(None)?;
             let case = cases.iter().find(|c| c.name == "colonnade").ok_or("no colonnade")?;

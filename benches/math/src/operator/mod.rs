@@ -1,4 +1,5 @@
 //! The radiosity operator: bytes, time and error of each way to store it.
+#![allow(clippy::disallowed_methods, reason = "numbers for people, in f64: no kernel")]
 
 pub mod bake;
 pub mod fast;
