@@ -311,11 +311,11 @@ fn rows_of_a_cube_by_pairs_alone_sum_to_one() {
     let n = map.patches.len();
     let pairs = all_pairs(&map);
     assert_eq!(pairs.len(), n * (n + 1) / 2);
-    let found = near(&session, &map, &pairs, 256);
+    let found = near(&session, &map, &pairs, 1024);
     // Each the other way around, by other numbers of threads: the same bits.
     let turned: Vec<[u32; 2]> = pairs.iter().map(|[i, j]| [*j, *i]).collect();
     for threads in [2, 5] {
-        let again = near(&rooms::session(&desc, Some(threads)), &map, &turned, 256);
+        let again = near(&rooms::session(&desc, Some(threads)), &map, &turned, 1024);
         assert!(found.iter().zip(&again).all(|(a, b)| a.flux == b.flux && a.stderr == b.stderr));
     }
     let list = map.patches.list();
@@ -324,7 +324,7 @@ fn rows_of_a_cube_by_pairs_alone_sum_to_one() {
         let coplanar = (0..3).map(|k| p[k] * q[k]).sum::<f32>() > 0.9;
         assert!(if coplanar { pair.flux == 0.0 && pair.stderr == 0.0 } else { pair.flux > 0.0 }, "{pair:?}");
     }
-    let rows = session.form_factors(&map, &job(&map, 256), &NoControl).unwrap();
+    let rows = session.form_factors(&map, &job(&map, 1024), &NoControl).unwrap();
     let form_factors = assemble_with(&map.patches.areas(), &rows, &found).unwrap();
     let by_rays = assemble(&map.patches.areas(), &rows).unwrap();
     for (i, sum) in form_factors.row_sums().iter().enumerate() {
