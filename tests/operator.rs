@@ -10,8 +10,8 @@ use etendue::core::radiosity::patches::PatchSettings;
 use etendue::core::scene::{LightDesc, SceneDesc, compile};
 use etendue::cpu::{CpuBackend, CpuSession};
 use etendue::driver::radiosity::{
-    BakeSettings, Baked, Codec, Order, RadiosityView, Rooms, bake, map_probes, patch_light, radiosity_map,
-    relight,
+    BakeSettings, Baked, Codec, Order, RadiosityView, Rooms, Truth, bake, map_probes, patch_light,
+    radiosity_map, relight,
 };
 use etendue::driver::{self, Budget, OpenError, Settings, Silent, open_operator, operator_file};
 use etendue::io::{encode_operator, load_scene, parse_operator};
@@ -140,6 +140,27 @@ fn a_file_brings_the_operator_back() {
     assert!(matches!(open_operator(wrong, &session), Err(OpenError::Patch { patch: 0 | 1 })));
 }
 
+/// Error of the indirect radiosity of an evenly lit scene, by area, against form factors in f32.
+fn radiosity_error(session: &dyn Session, made: &Baked) -> f64 {
+    let map = &made.operator.map;
+    let albedo: Vec<[f32; 3]> = map.patches.list().iter().map(|p| p.albedo).collect();
+    let truth = Truth::new(session, &made.form_factors, map, &albedo, None).unwrap();
+    // The last light is the even one.
+    let (direct, exact) = (truth.lights.last().unwrap(), truth.exact.last().unwrap());
+    let mut found = vec![[0.0; 3]; albedo.len()];
+    made.operator.transport.relight(session, (direct, &[]), &mut found, 1, &mut Rooms::default()).unwrap();
+    let (mut moved, mut all) = (0.0, 0.0);
+    for (i, rho) in albedo.iter().enumerate() {
+        for c in 0..3 {
+            let [x, y] = [found[i][c], exact[i][c]].map(|e| f64::from(rho[c] * e));
+            let area = f64::from(made.form_factors.areas[i]);
+            moved += area * (x - y) * (x - y);
+            all += area * y * y;
+        }
+    }
+    (moved / all).sqrt()
+}
+
 #[test]
 fn every_codec_bakes_the_same_bytes_with_any_number_of_threads_and_comes_back() {
     let desc = load("cornell/closed.toml");
@@ -149,8 +170,8 @@ fn every_codec_bakes_the_same_bytes_with_any_number_of_threads_and_comes_back() 
         (Codec::Auto { max_error: 0.05 }, 0.05),
         (Codec::Tiles, 0.03),
         (Codec::F16, 0.006),
-        (Codec::Published { bounces: Some(3), keep, order: Order::Greedy2 }, 1.0),
-        (Codec::Published { bounces: None, keep, order: Order::Voxels }, 1.0),
+        (Codec::Published { bounces: Some(3), keep, order: Order::Greedy2 }, 0.25),
+        (Codec::Published { bounces: None, keep, order: Order::Voxels }, 0.5),
         (Codec::Bc1 { keep }, 0.12),
         (Codec::Bc4 { keep }, 0.06),
     ] {
@@ -171,8 +192,12 @@ fn every_codec_bakes_the_same_bytes_with_any_number_of_threads_and_comes_back() 
         let (bytes, made) = &made[0];
         let n = made.operator.map.patches.len() as f64;
         println!("{codec:?}: {:?}, {:.3} bytes a pair", made.error, made.operator.bytes() as f64 / (n * n));
-        assert!(made.error.rms <= most, "{codec:?}: {:?}", made.error);
         let session = open(&desc);
+        // The published codec gives radiosity: divided by the albedo of dark channels, its errors say nothing.
+        let published = matches!(codec, Codec::Published { .. });
+        let error = if published { radiosity_error(&session, made) } else { made.error.rms };
+        println!("{error}");
+        assert!(error <= most, "{codec:?}: {error}, {:?}", made.error);
         let back = open_operator(parse_operator(bytes, Path::new("a.etd")).unwrap(), &session).unwrap();
         assert_eq!(back.transport, made.operator.transport, "{codec:?}");
         assert_eq!(back.passes, made.operator.passes);
