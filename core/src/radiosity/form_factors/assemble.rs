@@ -197,10 +197,12 @@ impl FormFactors {
     }
 
     /// The same without what is covered, and the share of each patch that is left: points whose rays meet what is no patch lie under something, as the floor under a box does, and are no part of what light falls on.
-    /// What patches send each other is what it was; only areas are smaller, so that no light is lost. At least a thousandth is left.
+    /// What patches send each other is what it was; only areas are smaller, so that no light is lost. At least as much is left as others see of a patch, and a thousandth.
     #[must_use]
     pub fn seen(mut self) -> (Self, Vec<f32>) {
-        let seen: Vec<f32> = self.lost.iter().map(|l| (1.0 - l).clamp(SEEN_LEAST, 1.0)).collect();
+        let sums = self.row_sums();
+        let share = |(lost, sum): (&f32, f64)| (1.0 - lost).max(sum as f32).clamp(SEEN_LEAST, 1.0);
+        let seen: Vec<f32> = self.lost.iter().zip(sums).map(share).collect();
         for (i, seen) in seen.iter().enumerate() {
             self.areas[i] *= seen;
             self.stderr[i] /= seen;

@@ -82,3 +82,24 @@ fn another_order_is_the_same_light() {
     }
     assert_eq!(vec![again.areas[0], again.areas[5]], vec![found.areas[3], found.areas[2]]);
 }
+
+#[test]
+fn what_is_covered_is_no_area_and_no_row_sees_more_than_all() {
+    // Patch 0: half of its rays lie under something; patch 1: nearly all, though patch 2 sees much of it.
+    let row = |rays: u32, lost: u32, met: &[(u32, u32)]| Row {
+        rays,
+        lost,
+        met: met.to_vec(),
+        escaped: rays - lost - met.iter().map(|m| m.1).sum::<u32>(),
+        ..Row::default()
+    };
+    let rows = [row(1000, 500, &[(2, 400)]), row(1000, 995, &[(2, 5)]), row(1000, 0, &[(0, 100), (1, 400)])];
+    let areas = [1.0, 1.0, 4.0];
+    let full = assemble(&areas, &rows).unwrap();
+    let (seen, shares) = full.clone().seen();
+    assert_eq!(seen.half, full.half);
+    assert!((shares[0] - 0.5).abs() < 1e-6 && shares[2] == 1.0, "{shares:?}");
+    assert!((seen.escaped[0] - 0.2).abs() < 1e-6 && seen.lost.iter().all(|l| *l == 0.0));
+    assert!(seen.row_sums().iter().all(|s| *s <= 1.0 + 1e-6), "{:?}", seen.row_sums());
+    assert!(shares[1] >= (full.row_sums()[1] as f32).min(1.0) && shares[1] > 0.005);
+}

@@ -364,7 +364,7 @@ impl Relighter {
         })
     }
 
-    /// Sums of rows of F as the tiles have it: what a patch sees of others.
+    /// Sums of rows of F as the tiles have it, as far as they are sums of shares: what a patch sees of others.
     fn row_sums(&self) -> Vec<f32> {
         let mut sums = alloc::vec![0.0_f64; self.len()];
         self.tiles.for_each(|i, j, s| {
@@ -374,7 +374,7 @@ impl Relighter {
                 sums[j] += flux;
             }
         });
-        sums.iter().zip(&self.areas).map(|(sum, a)| (sum / f64::from(*a)) as f32).collect()
+        sums.iter().zip(&self.areas).map(|(sum, a)| math::min((sum / f64::from(*a)) as f32, 1.0)).collect()
     }
 
     /// A F(i, j) \[m^2\] of S(i, j).
