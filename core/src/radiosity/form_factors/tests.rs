@@ -91,7 +91,6 @@ fn what_is_covered_is_no_area_and_no_row_sees_more_than_all() {
         lost,
         met: met.to_vec(),
         escaped: rays - lost - met.iter().map(|m| m.1).sum::<u32>(),
-        ..Row::default()
     };
     let rows = [row(1000, 500, &[(2, 400)]), row(1000, 995, &[(2, 5)]), row(1000, 0, &[(0, 100), (1, 400)])];
     let areas = [1.0, 1.0, 4.0];
