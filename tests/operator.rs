@@ -5,13 +5,12 @@
 mod common;
 
 use common::root;
-use etendue::core::backend::{Probe, Session};
+use etendue::core::backend::{GivenMap, Probe, Session};
 use etendue::core::radiosity::patches::PatchSettings;
 use etendue::core::scene::{LightDesc, SceneDesc, compile};
 use etendue::cpu::{CpuBackend, CpuSession};
 use etendue::driver::radiosity::{
-    BakeSettings, Baked, Codec, Order, RadiosityView, Rooms, Truth, bake, map_probes, patch_light,
-    radiosity_map, relight,
+    BakeSettings, Baked, Codec, Order, Rooms, Truth, bake, map_probes, patch_light, radiosity_map, relight,
 };
 use etendue::driver::{self, Budget, OpenError, Settings, Silent, open_operator, operator_file};
 use etendue::io::{encode_operator, load_scene, parse_operator};
@@ -73,7 +72,7 @@ fn probes_from_an_operator_agree_with_paths() {
         driver::probes(&session, &probes, &Settings { budget: Budget::Samples(65536), ..settings }, &Silent)
             .unwrap();
     let elements = *made.operator.map.elements.settings();
-    let view = RadiosityView { elements, values: &values, gather: true };
+    let view = GivenMap { elements, values: &values, gather: true };
     let found = map_probes(&session, &probes, &settings, &view, &Silent).unwrap();
     for i in 0..probes.len() {
         let (x, y) = (found.film.mean(i), paths.film.mean(i));

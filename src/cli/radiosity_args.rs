@@ -5,10 +5,10 @@ use super::error::CliError;
 use super::job::Stages;
 use crate::driver::Watcher;
 use crate::driver::open_operator;
-use crate::driver::radiosity::{self, CodecError, Operator, RadiosityView, Relit};
+use crate::driver::radiosity::{self, CodecError, Operator, Relit};
 use crate::io::read_operator;
 use clap::Args;
-use etendue_core::backend::Session;
+use etendue_core::backend::{GivenMap, Session};
 use etendue_core::illumination::ElementSettings;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -101,9 +101,9 @@ pub(super) fn ready(
 
 impl Ready {
     /// What its light is read by.
-    pub(super) fn view(&self) -> RadiosityView<'_> {
+    pub(super) fn view(&self) -> GivenMap<'_> {
         let elements: ElementSettings = *self.operator.map.elements.settings();
-        RadiosityView { elements, values: &self.relit.values, gather: self.gather }
+        GivenMap { elements, values: &self.relit.values, gather: self.gather }
     }
 
     fn patches(&self) -> usize {

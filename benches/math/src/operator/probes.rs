@@ -1,9 +1,9 @@
 //! Irradiance at probes against the references of another renderer.
 
 use super::{Outcome, open, scenes, target};
-use etendue::core::backend::Probe;
+use etendue::core::backend::{GivenMap, Probe};
 use etendue::core::radiosity::patches::PatchSettings;
-use etendue::driver::radiosity::{BakeSettings, Codec, RadiosityView, bake, map_probes, relit};
+use etendue::driver::radiosity::{BakeSettings, Codec, bake, map_probes, relit};
 use etendue::driver::{self, Budget, Outcome as Found, Settings, Silent};
 use etendue::io::{Probe as Point, read_points};
 use std::path::Path;
@@ -76,7 +76,7 @@ pub fn table(data: &Path, sizes: &[u32]) -> Outcome<String> {
             let light = relit(&session, &made.operator, 1, &Silent)?;
             let lit = start.elapsed().as_secs_f64();
             let elements = *made.operator.map.elements.settings();
-            let view = RadiosityView { elements, values: &light.values, gather: true };
+            let view = GivenMap { elements, values: &light.values, gather: true };
             let start = Instant::now();
             let few = map_probes(&session, &probes, &settings[0], &view, &Silent)?;
             let gathered = start.elapsed().as_secs_f64();
