@@ -13,6 +13,7 @@ mod radiosity;
 mod schedule;
 mod session;
 mod simd;
+mod stripes;
 pub mod tree;
 
 use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};

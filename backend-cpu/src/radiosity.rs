@@ -2,6 +2,7 @@
 
 use crate::linear::Linear;
 use crate::simd::widest;
+use crate::stripes;
 use crate::tree::Tree;
 use etendue_core::backend::{BackendError, Control, FormFactorJob};
 use etendue_core::geometry::Intersector;
@@ -287,36 +288,10 @@ impl Products for Linear {
         scratch: &mut Scratch<C>,
     ) {
         let rows = tile_rows(tiles.len()).min(y.len());
-        let zero = [[0.0; SIDE]; C];
-        if self.threads() <= 1 || rows <= STRIPE_ROWS {
-            scratch.columns.resize(rows, zero);
-            for first in (0..rows).step_by(STRIPE_ROWS) {
-                let end = rows.min(first + STRIPE_ROWS);
-                scratch.columns[..end].fill(zero);
-                stripe(tiles, first, x, &mut y[first..end], &mut scratch.columns[..end]);
-                add_columns(y, &scratch.columns[..end]);
-            }
-            return;
-        }
-        // Each stripe has columns of its own; they are added in the order of stripes.
-        let stripes = rows.div_ceil(STRIPE_ROWS);
-        scratch.columns.clear();
-        scratch.columns.resize(rows * stripes, zero);
-        self.install(|| {
-            scratch
-                .columns
-                .par_chunks_mut(rows)
-                .zip(y[..rows].par_chunks_mut(STRIPE_ROWS))
-                .enumerate()
-                .rev()
-                .for_each(|(k, (columns, y))| {
-                    let first = k * STRIPE_ROWS;
-                    stripe(tiles, first, x, y, &mut columns[..first + y.len()]);
-                });
-        });
-        for (k, columns) in scratch.columns.chunks(rows).enumerate() {
-            let end = rows.min((k + 1) * STRIPE_ROWS);
-            add_columns(y, &columns[..end]);
-        }
+        let work = |first: usize, y: &mut [Planes<C>], columns: &mut [Planes<C>]| {
+            stripe(tiles, first, x, y, columns);
+        };
+        let room = (&mut y[..rows], &mut scratch.columns);
+        stripes::half(self, STRIPE_ROWS, [[0.0; SIDE]; C], room, work, add_columns);
     }
 }

@@ -3,15 +3,16 @@
 use super::args::{BackendArgs, TalkArgs};
 use super::bake_args::BakeArgs;
 use super::error::{CliError, INTERRUPTED};
-use super::job::{Stages, open, read_scene};
+use super::job::{Stages, heading, open, read_scene};
 use super::output::check_folder;
 use super::progress::Bar;
+use super::radiosity_args::error_json;
 use crate::driver::operator_file;
 use crate::driver::radiosity::{BakeError, Transport, bake};
 use crate::io::{BlockFormat, SaveError, encode_operator, write_ktx2, write_whole};
 use etendue_core::backend::BackendError;
 use etendue_core::radiosity::blocks::{BlockOperator, Format, SIDE};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -54,10 +55,8 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     let mut stages = Stages::new();
     let (scene, _) = read_scene(&args.scene, None, &args.talk, &mut stages)?;
     let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
-    let mut settings = args.bake.settings(args.seed);
-    if let Some(samples) = args.samples {
-        settings = BakeArgs { pair_samples: Some(samples), ..args.bake.clone() }.settings(args.seed);
-    }
+    let samples = args.samples.or(args.bake.pair_samples);
+    let settings = BakeArgs { pair_samples: samples, ..args.bake.clone() }.settings(args.seed);
     let bar = Bar::new(&args.talk);
     let baked = match bake(&*opened.session, &settings, &bar) {
         Err(BakeError::Backend(BackendError::Cancelled)) => {
@@ -79,24 +78,16 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     let n = operator.map.patches.len();
     let per_pair = operator.bytes() as f64 / (n as f64 * n as f64);
     if args.talk.json {
-        let mut map = Map::new();
+        let mut map = heading(&opened, args.seed, &stages);
         let mut add = |name: &str, value: Value| map.insert(name.into(), value);
-        add("version", json!(env!("CARGO_PKG_VERSION")));
-        add("backend", json!(opened.info.name));
-        add("adapter", json!(opened.info.adapter));
-        add("scene_hash", json!(opened.hash));
-        add("seed", json!(args.seed));
         add("method", json!("radiosity"));
         add("patches", json!(n));
         add("rays", json!(baked.rays));
         add("bytes", json!(bytes.len()));
         add("bytes_per_pair", json!(per_pair));
         add("passes", json!(operator.passes));
-        let error =
-            json!({ "rms": baked.error.rms, "worst": baked.error.worst, "energy": baked.error.energy });
-        add("codec_error", error);
+        add("codec_error", error_json(&baked.error));
         add("output", json!(args.output));
-        add("seconds", stages.json());
         println!("{}", Value::Object(map));
     } else if !args.talk.quiet {
         println!(

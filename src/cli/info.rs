@@ -4,6 +4,7 @@ use super::args::TalkArgs;
 use super::error::CliError;
 use super::job::{Stages, read_scene};
 use super::output::scene_hash;
+use super::radiosity_args::error_json;
 use crate::io::read_operator;
 use etendue_core::scene::{CompileReport, CompiledScene, LightKind};
 use serde_json::{Map, Value, json};
@@ -65,7 +66,7 @@ fn operator(args: &Args) -> Result<ExitCode, CliError> {
                 "elements": file.of.len(),
                 "codec": info.codec,
                 "max_error": info.max_error,
-                "codec_error": { "rms": e.rms, "worst": e.worst, "energy": e.energy },
+                "codec_error": error_json(&e),
                 "passes": info.passes,
                 "bounces": info.bounces,
                 "bytes_per_pair": per_pair,

@@ -127,13 +127,20 @@ pub(super) fn open(
 }
 
 /// The fields that every working verb reports.
-pub(super) fn report(opened: &Opened, outcome: &Outcome, seed: u64, stages: &Stages) -> Map<String, Value> {
+pub(super) fn heading(opened: &Opened, seed: u64, stages: &Stages) -> Map<String, Value> {
     let mut map = Map::new();
     map.insert("version".into(), json!(env!("CARGO_PKG_VERSION")));
     map.insert("backend".into(), json!(opened.info.name));
     map.insert("adapter".into(), json!(opened.info.adapter));
     map.insert("scene_hash".into(), json!(opened.hash));
     map.insert("seed".into(), json!(seed));
+    map.insert("seconds".into(), stages.json());
+    map
+}
+
+/// Those, and what every verb that samples reports.
+pub(super) fn report(opened: &Opened, outcome: &Outcome, seed: u64, stages: &Stages) -> Map<String, Value> {
+    let mut map = heading(opened, seed, stages);
     map.insert("samples".into(), json!(outcome.film.samples()));
     map.insert("block_length".into(), json!(outcome.film.settings().block_length));
     map.insert("rays".into(), json!(outcome.stats.rays));
@@ -143,7 +150,6 @@ pub(super) fn report(opened: &Opened, outcome: &Outcome, seed: u64, stages: &Sta
     map.insert("saturated".into(), json!(outcome.film.saturated()));
     map.insert("invalid".into(), json!(outcome.film.invalid()));
     map.insert("cancelled".into(), json!(outcome.cancelled));
-    map.insert("seconds".into(), stages.json());
     map
 }
 

@@ -2,7 +2,8 @@
 
 use super::error::CliError;
 use crate::driver::Outcome;
-use crate::io::{RenderImage, write_exr, write_png};
+use crate::io::{RenderImage, write_exr, write_png, write_points};
+use etendue_core::backend::Probe;
 use etendue_core::scene::CompiledScene;
 use etendue_core::tone::{ToneSettings, display_srgb8};
 use std::path::Path;
@@ -38,6 +39,24 @@ pub(super) fn check_folder(file: &Path) -> Result<(), CliError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Points as a backend asks for them.
+pub(super) fn probes_of(points: &[crate::io::Probe]) -> Vec<Probe> {
+    points.iter().map(|p| Probe { position: p.position, normal: p.normal }).collect()
+}
+
+/// Writes points with the irradiance that an outcome has for them.
+pub(super) fn write_outcome(
+    path: &Path,
+    points: &mut [crate::io::Probe],
+    outcome: &Outcome,
+) -> Result<(), CliError> {
+    for (i, p) in points.iter_mut().enumerate() {
+        p.irradiance = Some(outcome.film.mean(i).map(|x| x as f32));
+        p.stderr = outcome.film.standard_error(i).map(|v| v.map(|x| x as f32));
+    }
+    Ok(write_points(path, points)?)
 }
 
 /// Mean radiance, variance of the mean and sample count of an image job.

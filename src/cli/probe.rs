@@ -4,11 +4,10 @@ use super::args::{BackendArgs, SamplingArgs, TalkArgs};
 use super::error::{CliError, INTERRUPTED};
 use super::gather_args::{Estimator, GatherArgs};
 use super::job::{Stages, open, read_scene, report, summary, warn_about};
-use super::output::check_folder;
+use super::output::{check_folder, probes_of, write_outcome};
 use super::progress::Bar;
 use crate::driver::{self, radiosity};
-use crate::io::{read_points, write_points};
-use etendue_core::backend::Probe;
+use crate::io::read_points;
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -44,8 +43,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     if points.is_empty() {
         return Err(CliError::Input(format!("{}: expected at least one probe", args.points.display())));
     }
-    let probes: Vec<Probe> =
-        points.iter().map(|p| Probe { position: p.position, normal: p.normal }).collect();
+    let probes = probes_of(&points);
     let (scene, _) = read_scene(&args.scene, None, &args.talk, &mut stages)?;
     let opened = open(scene, &args.backend, &args.talk, &mut stages)?;
     let settings = args.sampling.settings();
@@ -67,11 +65,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
         eprintln!("stopped before the first block of samples was complete: nothing was written");
         return Ok(ExitCode::from(INTERRUPTED));
     }
-    for (i, p) in points.iter_mut().enumerate() {
-        p.irradiance = Some(outcome.film.mean(i).map(|x| x as f32));
-        p.stderr = outcome.film.standard_error(i).map(|v| v.map(|x| x as f32));
-    }
-    write_points(&args.output, &points)?;
+    write_outcome(&args.output, &mut points, &outcome)?;
     stages.done("write");
 
     if args.talk.json {

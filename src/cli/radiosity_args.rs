@@ -71,6 +71,11 @@ impl RadiosityArgs {
     }
 }
 
+/// What a codec was measured to lose.
+pub(super) fn error_json(e: &CodecError) -> Value {
+    json!({ "rms": e.rms, "worst": e.worst, "energy": e.energy })
+}
+
 /// The operator of a file, for a session's scene.
 pub(super) fn read(
     file: &Path,
@@ -117,12 +122,11 @@ impl Ready {
 
     /// Adds what it is made of.
     pub(super) fn describe(&self, map: &mut Map<String, Value>) {
-        let e = self.codec_error;
         map.insert("gather".into(), json!(self.gather));
         map.insert("patches".into(), json!(self.patches()));
         map.insert("bytes_per_pair".into(), json!(self.per_pair()));
         map.insert("passes".into(), json!(self.operator.passes));
-        map.insert("codec_error".into(), json!({ "rms": e.rms, "worst": e.worst, "energy": e.energy }));
+        map.insert("codec_error".into(), error_json(&self.codec_error));
     }
 
     /// For people.

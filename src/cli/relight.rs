@@ -2,14 +2,13 @@
 
 use super::args::{BackendArgs, Size, TalkArgs, ToneArgs, positive};
 use super::error::{CliError, INTERRUPTED};
-use super::job::{Opened, Stages, open, read_scene_with, report, summary, warn_about};
-use super::output::{check_folder, image_of, write_image};
+use super::job::{Opened, Stages, heading, open, read_scene_with, report, summary, warn_about};
+use super::output::{check_folder, image_of, probes_of, write_image, write_outcome};
 use super::progress::Bar;
 use super::radiosity_args::{Ready, read, ready};
 use crate::driver::radiosity::{map_image, map_probes};
 use crate::driver::{Budget, Outcome, Settings};
-use crate::io::{SaveError, read_points, write_ply, write_points};
-use etendue_core::backend::Probe;
+use crate::io::{SaveError, read_points, write_ply};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -118,11 +117,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
             write_mesh(&args.output, &opened, &ready)?;
             None
         }
-        Form::Points => {
-            let probes: Vec<Probe> =
-                points.iter().map(|p| Probe { position: p.position, normal: p.normal }).collect();
-            Some(map_probes(session, &probes, &settings, &ready.view(), &bar)?)
-        }
+        Form::Points => Some(map_probes(session, &probes_of(&points), &settings, &ready.view(), &bar)?),
         Form::Image => Some(map_image(session, &settings, &ready.view(), &bar)?),
     };
     bar.finish();
@@ -134,11 +129,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
             return Ok(ExitCode::from(INTERRUPTED));
         }
         if form == Form::Points {
-            for (i, p) in points.iter_mut().enumerate() {
-                p.irradiance = Some(outcome.film.mean(i).map(|x| x as f32));
-                p.stderr = outcome.film.standard_error(i).map(|v| v.map(|x| x as f32));
-            }
-            write_points(&args.output, &points)?;
+            write_outcome(&args.output, &mut points, outcome)?;
         } else {
             let mut metadata = Map::new();
             metadata.insert("version".into(), json!(env!("CARGO_PKG_VERSION")));
@@ -183,16 +174,7 @@ fn tell(args: &Args, opened: &Opened, ready: &Ready, outcome: Option<&Outcome>, 
     if args.talk.json {
         let mut map = match outcome {
             Some(outcome) => report(opened, outcome, args.seed, stages),
-            None => {
-                let mut map = Map::new();
-                map.insert("version".into(), json!(env!("CARGO_PKG_VERSION")));
-                map.insert("backend".into(), json!(opened.info.name));
-                map.insert("adapter".into(), json!(opened.info.adapter));
-                map.insert("scene_hash".into(), json!(opened.hash));
-                map.insert("seed".into(), json!(args.seed));
-                map.insert("seconds".into(), stages.json());
-                map
-            }
+            None => heading(opened, args.seed, stages),
         };
         map.insert("method".into(), json!("radiosity"));
         ready.describe(&mut map);
