@@ -32,7 +32,7 @@ pub enum ProbeLights {
     Fit,
 }
 
-/// Lights that a codec is judged by: direct irradiance on all patches, eight of them. Single lit patches are the hardest; lamps near a wall, suns and an even light follow.
+/// Lights that a codec is judged by: direct irradiance on all patches, eight of them, or seven to find weights by. Single lit patches are the hardest; lamps near a wall, suns and an even light follow.
 pub fn probe_lights(map: &PatchMap, row_sums: &[f64], purpose: ProbeLights) -> Vec<Light> {
     let list = map.patches.list();
     let n = list.len();
@@ -83,7 +83,10 @@ pub fn probe_lights(map: &PatchMap, row_sums: &[f64], purpose: ProbeLights) -> V
                 .collect(),
         );
     }
-    lights.push(vec![colour; n]);
+    // One there is of these: it measures.
+    if purpose == ProbeLights::Measure {
+        lights.push(vec![colour; n]);
+    }
     lights
 }
 
