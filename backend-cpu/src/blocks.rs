@@ -27,10 +27,11 @@ impl Schedule for Linear {
         let y = &mut y[..rows];
         if operator.parts().half {
             let work = |first: usize, y: &mut [Quad], columns: &mut [Quad]| {
+                columns.fill(Quad::default());
                 stripe(operator, first, sent, y, columns);
             };
             let room = (y, &mut scratch.columns);
-            stripes::half(self, STRIPE_ROWS, Quad::default(), room, work, add_columns);
+            stripes::half(self, (STRIPE_ROWS, Quad::default()), room, work, add_columns);
             return;
         }
         self.install(|| {

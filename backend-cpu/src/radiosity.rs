@@ -274,8 +274,16 @@ pub(crate) fn tiles(
 }
 
 widest! {
+    sixteen:
     fn stripe[const C: usize](tiles: &Tiles, first: usize, x: &[Planes<C>], y: &mut [Planes<C>], columns: &mut [Planes<C>]) {
+        columns.as_flattened_mut().as_flattened_mut().fill(0.0);
         tiles.stripe(first, x, y, columns);
+    }
+}
+
+widest! {
+    fn add[const C: usize](y: &mut [Planes<C>], columns: &[Planes<C>]) {
+        add_columns(y, columns);
     }
 }
 
@@ -292,6 +300,48 @@ impl Products for Linear {
             stripe(tiles, first, x, y, columns);
         };
         let room = (&mut y[..rows], &mut scratch.columns);
-        stripes::half(self, STRIPE_ROWS, [[0.0; SIDE]; C], room, work, add_columns);
+        stripes::half(self, (STRIPE_ROWS, [[0.0; SIDE]; C]), room, work, add::<C>);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::tests::MOST;
+    use etendue_core::radiosity::tiles::{Rates, encode};
+    use etendue_core::sampling::counter::Counter;
+
+    #[test]
+    fn registers_of_every_width_give_the_same_bits() {
+        let (n, numbers) = (701, Counter::new(4));
+        let entry = |i: usize, j: usize| {
+            let u = numbers.unit(i as u32, j as u32, 0);
+            if (i / 24 + j / 24) % 3 == 0 { 0.0 } else { u * u * u / (1 + (i / 8 + j / 8) % 5) as f32 }
+        };
+        let rows = tile_rows(n);
+        let x: Vec<Planes<3>> = (0..rows as u32)
+            .map(|i| [0, 1, 2].map(|c| std::array::from_fn(|k| numbers.unit(i, 8 * c + k as u32, 1))))
+            .collect();
+        let mut kinds = vec![Rates::Cheapest { lambda: 1e-4 }, Rates::Cheapest { lambda: 1e-6 }];
+        kinds.extend(Kind::ALL.map(Rates::Uniform));
+        for rates in kinds {
+            let tiles = encode(n, rates, entry).unwrap();
+            let mut truth = vec![Planes::<3>::default(); rows];
+            tiles.apply(&x, &mut truth, &mut Scratch::default());
+            for most in [1, 8, 16] {
+                for threads in [1, 2] {
+                    MOST.set(most);
+                    let mut y = vec![Planes::<3>::default(); rows];
+                    let linear = Linear::new(Some(threads)).unwrap();
+                    linear.apply(&tiles, &x, &mut y, &mut Scratch::default());
+                    assert_eq!(y, truth, "{rates:?} {most} {threads}");
+                    let red: Vec<Planes<1>> = x.iter().map(|x| [x[0]]).collect();
+                    let mut one = vec![Planes::<1>::default(); rows];
+                    linear.apply(&tiles, &red, &mut one, &mut Scratch::default());
+                    assert!(one.iter().zip(&truth).all(|(one, all)| one[0] == all[0]), "{rates:?} {most}");
+                }
+            }
+        }
+        MOST.set(16);
     }
 }

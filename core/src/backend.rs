@@ -14,7 +14,7 @@ use crate::radiosity::form_factors::near::{NearPair, NearSettings};
 use crate::radiosity::form_factors::{FormFactors, Row};
 use crate::radiosity::patches::{PatchMap, PatchSettings};
 use crate::radiosity::polynomial;
-use crate::radiosity::relight::{self, RelightError, Relighter, Symmetric, Workspace};
+use crate::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace};
 use crate::radiosity::tiles::{self, Kind, RateCurves, Rates, TileError, Tiles};
 use crate::radiosity::transfer::Transfer;
 use crate::scene::CompiledScene;
@@ -626,7 +626,7 @@ pub trait Session: Send + Sync {
         passes: u32,
         room: &mut Workspace,
     ) -> Result<(), RelightError> {
-        relighter.relight(&relight::Portable, light, indirect, passes, room)
+        relighter.relight(&polynomial::Portable, light, indirect, passes, room)
     }
 
     /// Form factors in texture blocks; see [`BlockOperator::encode`].
@@ -668,7 +668,7 @@ pub trait Session: Send + Sync {
         until: (u32, f64),
         room: &mut Workspace,
     ) -> Result<u32, RelightError> {
-        relighter.converge(&relight::Portable, light, indirect, until, room)
+        relighter.converge(&polynomial::Portable, light, indirect, until, room)
     }
 }
 

@@ -209,3 +209,39 @@ impl Clusters {
         sums
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::counter::Counter;
+
+    #[test]
+    fn layers_of_a_voxel_follow_planes_however_they_lie() {
+        let numbers = Counter::new(11);
+        let number = |i: u32, k: u32| numbers.unit(i, k, 0);
+        for i in 0..500 {
+            let normal = math::normalize_or(
+                Vec3::new(number(i, 0) - 0.5, number(i, 1) - 0.5, number(i, 2) - 0.5),
+                Vec3::X,
+            );
+            let corner = Vec3::new(3.0, 700.0, 12.0);
+            let at = corner + Vec3::new(number(i, 3), number(i, 4), number(i, 5));
+            // Other points of the plane in the same voxel, and a plane half an edge above.
+            let along = normal.any_orthonormal_vector();
+            for step in [-0.3, -0.1, 0.1, 0.3] {
+                let other = at + along * step;
+                let same_voxel =
+                    (other - corner).min_element() >= 0.0 && (other - corner).max_element() < 1.0;
+                let offset = LAYERS * (at - corner - Vec3::splat(0.5)).dot(normal) + LAYER_START;
+                // Rounding decides next to a border.
+                if same_voxel && (offset - math::floor(offset) - 0.5).abs() < 0.49 {
+                    assert_eq!(layer(at, normal), layer(other, normal), "{i} {step}");
+                }
+            }
+            let above = at + normal * 0.5;
+            if (above - corner).min_element() >= 0.0 && (above - corner).max_element() < 1.0 {
+                assert!(layer(above, normal) > layer(at, normal), "{i}");
+            }
+        }
+    }
+}

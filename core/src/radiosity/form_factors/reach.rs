@@ -2,7 +2,7 @@
 //!
 //! Solids have insides, and as patches these would be half of all numbers for nothing. Diffuse walks from where light and eyes are mark what they
 //! meet. Walks from infinity are few, and miss what is small in a large scene: where light comes from there, what they have not met is asked whether it sees
-//! the sky ([`look`]). The rest is asked for no further, unless it lies among what is met.
+//! the sky ([`look`]). What lies among what is met counts too if it sees more of that than of anything else; the rest is asked for no further.
 
 use super::rays::side_of;
 use crate::bsdf::diffuse;

@@ -1,154 +1,131 @@
 //! Products with tiles, all channels at once.
 
-use super::encode::scale_of;
-use super::{ENTRIES, Kind, Planes, SIDE, Tiles, half, tile_rows};
+use super::decode::{Codes, PAIR, PAIRS, decode, for_codes, mean_of, twice};
+use super::lists::{CHUNK, Lists, Place};
+use super::{ENTRIES, Kind, Planes, SIDE, Tiles, kinds_start, tile_rows};
 use alloc::vec::Vec;
-
-/// A decoded tile, row by row.
-pub(super) type Tile = [[f32; SIDE]; SIDE];
-
-/// Words of a part: one per column, from `bytes` bytes each.
-#[inline(always)]
-fn words<const BYTES: usize>(payload: &[u8]) -> [u32; SIDE] {
-    let mut words = [0; SIDE];
-    if let Some(bytes) = payload.first_chunk::<32>()
-        && BYTES == 4
-    {
-        for (k, w) in words.iter_mut().enumerate() {
-            *w = u32::from_le_bytes([bytes[4 * k], bytes[4 * k + 1], bytes[4 * k + 2], bytes[4 * k + 3]]);
-        }
-    } else if let Some(bytes) = payload.first_chunk::<16>()
-        && BYTES == 2
-    {
-        for (k, w) in words.iter_mut().enumerate() {
-            *w = u32::from(u16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]]));
-        }
-    } else if let Some(bytes) = payload.first_chunk::<8>()
-        && BYTES == 1
-    {
-        for (k, w) in words.iter_mut().enumerate() {
-            *w = u32::from(bytes[k]);
-        }
-    }
-    words
-}
-
-#[inline(always)]
-fn one<const A: usize>(payload: &[u8], root_step: f32) -> Tile {
-    let a = words::<A>(payload);
-    let mask = (1 << A as u32) - 1;
-    let mut tile = [[0.0; SIDE]; SIDE];
-    for (r, row) in tile.iter_mut().enumerate() {
-        for k in 0..SIDE {
-            let q = (a[k] >> (A * r) as u32) & mask;
-            let t = q as i32 as f32 * root_step;
-            row[k] = t * t;
-        }
-    }
-    tile
-}
-
-#[inline(always)]
-fn two<const A: usize, const B: usize>(payload: &[u8], root_step: f32) -> Tile {
-    let (a, b) = (words::<A>(payload), words::<B>(payload.get(8 * A..).unwrap_or(&[])));
-    let masks = [(1 << A as u32) - 1, (1 << B as u32) - 1];
-    let mut tile = [[0.0; SIDE]; SIDE];
-    for (r, row) in tile.iter_mut().enumerate() {
-        for k in 0..SIDE {
-            let q = ((a[k] >> (A * r) as u32) & masks[0]) << B as u32 | (b[k] >> (B * r) as u32) & masks[1];
-            let t = q as i32 as f32 * root_step;
-            row[k] = t * t;
-        }
-    }
-    tile
-}
-
-#[inline(always)]
-fn floats(payload: &[u8]) -> Tile {
-    let mut tile = [[0.0; SIDE]; SIDE];
-    for (x, bytes) in tile.as_flattened_mut().iter_mut().zip(payload.as_chunks::<4>().0) {
-        *x = f32::from_le_bytes(*bytes);
-    }
-    tile
-}
-
-#[inline(always)]
-fn halves(payload: &[u8]) -> Tile {
-    let mut tile = [[0.0; SIDE]; SIDE];
-    for (x, bytes) in tile.as_flattened_mut().iter_mut().zip(payload.as_chunks::<2>().0) {
-        *x = half::to_f32(u16::from_le_bytes(*bytes));
-    }
-    tile
-}
-
-/// The entries of a tile that is not empty, from its bytes.
-#[inline(always)]
-pub fn decode(kind: Kind, payload: &[u8]) -> Tile {
-    match kind {
-        Kind::F16 => return halves(payload),
-        Kind::F32 => return floats(payload),
-        _ => {}
-    }
-    let Some((scale, codes)) = payload.split_first_chunk::<2>() else { return [[0.0; SIDE]; SIDE] };
-    let scale = scale_of(u16::from_le_bytes(*scale));
-    let step = |top: f32| crate::math::sqrt_clamped(scale) / top;
-    match kind {
-        Kind::Empty | Kind::F16 | Kind::F32 => [[0.0; SIDE]; SIDE],
-        Kind::Mean => [[scale; SIDE]; SIDE],
-        Kind::Bits1 => one::<1>(codes, step(1.0)),
-        Kind::Bits2 => one::<2>(codes, step(3.0)),
-        Kind::Bits3 => two::<2, 1>(codes, step(7.0)),
-        Kind::Bits4 => one::<4>(codes, step(15.0)),
-        Kind::Bits6 => two::<4, 2>(codes, step(63.0)),
-        Kind::Bits8 => two::<4, 4>(codes, step(255.0)),
-    }
-}
-
-/// Adds a tile's products to its rows and, unless it is on the diagonal, to its columns. Sums of a row run in eight lanes, one per column of the tile; those of a column are added up
-/// within the tile first, in pairs.
-#[inline(always)]
-fn multiply<const C: usize>(
-    tile: &Tile,
-    x: [&Planes<C>; 2],
-    rows: &mut [[[f32; SIDE]; SIDE]; C],
-    columns: Option<&mut Planes<C>>,
-) {
-    let [xr, xc] = x;
-    for c in 0..C {
-        for r in 0..SIDE {
-            for k in 0..SIDE {
-                rows[c][r][k] += tile[r][k] * xc[c][k];
-            }
-        }
-    }
-    let Some(columns) = columns else { return };
-    for c in 0..C {
-        let mut sums = [[0.0; SIDE]; 2];
-        for r in 0..SIDE {
-            for k in 0..SIDE {
-                sums[r % 2][k] += tile[r][k] * xr[c][r];
-            }
-        }
-        for k in 0..SIDE {
-            columns[c][k] += sums[0][k] + sums[1][k];
-        }
-    }
-}
-
-/// Where registers are stored whole: split over two lines of the cache they take twice the time.
-#[repr(align(64))]
-struct Aligned<T>(T);
 
 /// Sum of eight lanes.
 #[inline(always)]
-fn pairwise(s: &[f32; SIDE]) -> f32 {
-    ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]))
+fn pairwise(s: &[f32]) -> f32 {
+    s.first_chunk::<SIDE>().map_or(0.0, |s| ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7])))
 }
 
-/// The mean of a tile that is one.
-#[inline(always)]
-fn mean_of(payload: &[u8]) -> f32 {
-    payload.first_chunk::<2>().map_or(0.0, |scale| scale_of(u16::from_le_bytes(*scale)))
+/// What a row of tiles reads and adds up.
+///
+/// Sums of a row run in eight lanes, one per column of a tile; two rows are side by side, so that a register of sixteen holds both.
+#[repr(align(64))]
+struct RowSums<const C: usize> {
+    sums: [[[f32; PAIR]; C]; PAIRS],
+    /// x of the row's patches, each eight times.
+    x: [[[f32; PAIR]; C]; PAIRS],
+    /// What tiles of one mean send to each row of theirs.
+    flat: Planes<C>,
+    /// Sum of x over the row's patches: what such tiles send to each column, but for the mean.
+    total: [f32; C],
+}
+
+impl<const C: usize> RowSums<C> {
+    #[inline(always)]
+    fn new(x: &Planes<C>) -> Self {
+        Self {
+            sums: [[[0.0; PAIR]; C]; PAIRS],
+            x: core::array::from_fn(|p| x.map(|x| core::array::from_fn(|k| x[2 * p + k / SIDE]))),
+            flat: [[0.0; SIDE]; C],
+            total: x.map(|x| pairwise(&x)),
+        }
+    }
+
+    /// Adds the products of tiles of one kind to the row and to their columns. A column's sums run within a tile over its even and its odd rows; both, and then the unit of
+    /// the tile, come last.
+    #[inline(always)]
+    fn multiply<K: Codes>(
+        &mut self,
+        (places, payload): (&[Place], &[u8]),
+        x: &[Planes<C>],
+        columns: &mut [Planes<C>],
+    ) {
+        for place in places {
+            let codes = K::open(payload.get(place.start as usize..).unwrap_or(&[]));
+            let column = place.column as usize;
+            let (Some(codes), Some(x), Some(y)) = (codes, x.get(column), columns.get_mut(column)) else {
+                return;
+            };
+            let unit = codes.unit();
+            let mut scaled = [[0.0; PAIR]; C];
+            for c in 0..C {
+                let x = twice(x[c]);
+                for k in 0..PAIR {
+                    scaled[c][k] = unit * x[k];
+                }
+            }
+            let mut sent = [[0.0; PAIR]; C];
+            for p in 0..PAIRS {
+                let q = codes.pair(p);
+                for c in 0..C {
+                    for k in 0..PAIR {
+                        self.sums[p][c][k] += q[k] * scaled[c][k];
+                    }
+                    for k in 0..PAIR {
+                        let more = q[k] * self.x[p][c][k];
+                        sent[c][k] = if p == 0 { more } else { sent[c][k] + more };
+                    }
+                }
+            }
+            // Channel by channel, or the compiler would seek registers across channels.
+            for (y, sent) in y.iter_mut().zip(&sent) {
+                let mut sum = *y;
+                for k in 0..SIDE {
+                    sum[k] += unit * (sent[k] + sent[k + SIDE]);
+                }
+                *y = sum;
+            }
+        }
+    }
+
+    /// The same for tiles of one mean.
+    #[inline(always)]
+    fn multiply_means(
+        &mut self,
+        (places, payload): (&[Place], &[u8]),
+        x: &[Planes<C>],
+        columns: &mut [Planes<C>],
+    ) {
+        for place in places {
+            let mean = mean_of(payload.get(place.start as usize..).unwrap_or(&[]));
+            let column = place.column as usize;
+            let (Some(x), Some(y)) = (x.get(column), columns.get_mut(column)) else { return };
+            for c in 0..C {
+                let sent = mean * self.total[c];
+                for k in 0..SIDE {
+                    self.flat[c][k] += mean * x[c][k];
+                    y[c][k] += sent;
+                }
+            }
+        }
+    }
+
+    /// The tile on the diagonal, which is whole: it gives its row all.
+    #[inline(always)]
+    fn multiply_own(&mut self, kind: Kind, bytes: &[u8], x: &Planes<C>) {
+        let tile = decode(kind, bytes);
+        for (sums, rows) in self.sums.iter_mut().zip(tile.as_chunks::<2>().0) {
+            for c in 0..C {
+                for k in 0..PAIR {
+                    sums[c][k] += rows[k / SIDE][k % SIDE] * x[c][k % SIDE];
+                }
+            }
+        }
+    }
+
+    /// Sums of the row.
+    #[inline(always)]
+    fn fold(&self) -> Planes<C> {
+        core::array::from_fn(|c| {
+            let flat = pairwise(&self.flat[c]);
+            core::array::from_fn(|k| pairwise(&self.sums[k / 2][c][k % 2 * SIDE..]) + flat)
+        })
+    }
 }
 
 /// Room for products: none is asked for while they run.
@@ -163,7 +140,9 @@ pub const STRIPE_ROWS: usize = 64;
 
 impl Tiles {
     /// y = S x for a stripe: rows of tiles from `first` on, as many as `y` has. What these rows add to columns before and in the stripe is *added* to `columns`, as long as all rows up to the last of the stripe.
-    /// `x`, `y` and `columns` hold runs of eight patches; `x` has all of them, with zeros beyond the last patch.
+    /// `x`, `y` and `columns` hold runs of eight patches; `x` has all of them, with zeros beyond the last patch. Finite results need |x| below 10^33.
+    ///
+    /// The order of sums: 256 columns after 256 columns, in them kind after kind, in those column after column; the diagonal last.
     #[inline(always)]
     pub fn stripe<const C: usize>(
         &self,
@@ -172,47 +151,25 @@ impl Tiles {
         y: &mut [Planes<C>],
         columns: &mut [Planes<C>],
     ) {
+        let mut lists = Lists::new();
         for (k, y) in y.iter_mut().enumerate() {
             let row = first + k;
-            let (Some(xr), Some(start)) = (x.get(row), self.rows.get(row)) else { return };
-            let mut payload = self.payload.get(*start as usize..).unwrap_or(&[]);
-            let mut sums = Aligned([[[0.0; SIDE]; SIDE]; C]);
-            // Tiles of one mean send the same to each row, and to each column of theirs.
-            let (mut flat, total) = ([[0.0; SIDE]; C], xr.map(|x| pairwise(&x)));
-            for (column, xc) in x.iter().enumerate().take(row + 1) {
-                let kind = self.kind(row, column);
-                if kind == Kind::Empty {
-                    continue;
-                }
-                let (bytes, rest) = payload.split_at_checked(kind.bytes()).unwrap_or((&[], &[]));
-                payload = rest;
-                if kind == Kind::Mean {
-                    let mean = mean_of(bytes);
-                    for (flat, x) in flat.iter_mut().zip(xc) {
-                        for k in 0..SIDE {
-                            flat[k] += mean * x[k];
+            let (Some(own), Some(start)) = (x.get(row), self.rows.get(row)) else { return };
+            let (kinds, payload) = (self.kinds.get(kinds_start(row)..).unwrap_or(&[]), &self.payload[..]);
+            let (mut sums, mut start) = (RowSums::new(own), *start);
+            for from in (0..row).step_by(CHUNK) {
+                start = lists.fill(kinds, (from, row), start);
+                for kind in Kind::ALL {
+                    let tiles = (lists.of(kind), payload);
+                    for_codes!(kind, Found => sums.multiply::<Found>(tiles, x, columns), {
+                        if kind == Kind::Mean {
+                            sums.multiply_means(tiles, x, columns);
                         }
-                    }
-                    if column < row
-                        && let Some(columns) = columns.get_mut(column)
-                    {
-                        for (columns, total) in columns.iter_mut().zip(&total) {
-                            let sent = mean * total;
-                            columns.iter_mut().for_each(|y| *y += sent);
-                        }
-                    }
-                    continue;
-                }
-                let tile = decode(kind, bytes);
-                let target = if column < row { columns.get_mut(column) } else { None };
-                multiply(&tile, [xr, xc], &mut sums.0, target);
-            }
-            for c in 0..C {
-                let flat = pairwise(&flat[c]);
-                for (y, sums) in y[c].iter_mut().zip(&sums.0[c]) {
-                    *y = pairwise(sums) + flat;
+                    });
                 }
             }
+            sums.multiply_own(self.kind(row, row), payload.get(start as usize..).unwrap_or(&[]), own);
+            *y = sums.fold();
         }
     }
 

@@ -37,6 +37,7 @@ fn stored(scale: f32) -> u16 {
 }
 
 /// The scale that is stored.
+#[inline(always)]
 pub(super) fn scale_of(stored: u16) -> f32 {
     f32::from_bits(u32::from(stored) << 16)
 }
@@ -61,19 +62,15 @@ fn mean(tile: &[f32; ENTRIES]) -> Coded {
     Coded { kind: Kind::Mean, scale, codes: [0; ENTRIES], error: squared(tile, |_| value) }
 }
 
-/// The code nearest to a value, from that of its root.
+/// The code nearest to a value x = unit x q^2, from that of its root.
 #[inline(always)]
-fn code(x: f32, root_step: f32, top: f32) -> f32 {
-    if root_step <= 0.0 {
+fn code(x: f32, unit: f32, top: f32) -> f32 {
+    if unit <= 0.0 {
         return 0.0;
     }
-    let t = math::sqrt_clamped(x) / root_step;
-    let low = math::floor(t).min(top);
+    let low = math::floor(math::sqrt_clamped(x / unit)).min(top);
     let high = (low + 1.0).min(top);
-    let value = |q: f32| {
-        let t = q * root_step;
-        t * t
-    };
+    let value = |q: f32| unit * (q * q);
     if (x - value(low)).abs() <= (value(high) - x).abs() { low } else { high }
 }
 
@@ -83,14 +80,14 @@ fn with_bits(tile: &[f32; ENTRIES], kind: Kind, largest: f32) -> Coded {
     let mut best: Option<Coded> = None;
     for share in SCALES {
         let scale = stored(largest * share);
-        let root_step = math::sqrt_clamped(scale_of(scale)) / top;
+        let unit = scale_of(scale) * (1.0 / (top * top));
         let mut codes = [0; ENTRIES];
         for (q, x) in codes.iter_mut().zip(tile) {
-            *q = code(*x, root_step, top) as u8;
+            *q = code(*x, unit, top) as u8;
         }
         let error = squared(tile, |i| {
-            let t = f32::from(codes[i]) * root_step;
-            t * t
+            let q = f32::from(codes[i]);
+            unit * (q * q)
         });
         if best.is_none_or(|b| error < b.error) {
             best = Some(Coded { kind, scale, codes, error });

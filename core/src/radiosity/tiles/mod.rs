@@ -6,15 +6,18 @@
 //! A tile has one of ten [`Kind`]s: nothing, one mean, codes q of 1, 2, 3, 4, 6 or 8 bits with the value s (q / (2^b - 1))^2 (squares put their steps where form factors
 //! are), or f16 or f32 as they are. Which, is chosen by rate and distortion: the least error^2 + lambda x bits ([`encode`]). In order of [`crate::radiosity::order`] half of the tiles are empty.
 //!
-//! A code of b bits is stored as parts of 4, 2 and 1 bits; a part has one word per column, in which row r is r parts up: eight columns make a register.
+//! A code of b bits is stored as parts of 4, 2 and 1 bits; a part has one word per column, in which row r is r parts up: eight columns make a register, twice eight a wider one with two rows.
 
 mod apply;
+mod decode;
 mod encode;
 mod half;
+mod lists;
 #[cfg(test)]
 mod tests;
 
-pub use apply::{STRIPE_ROWS, Scratch, add_columns, decode};
+pub use apply::{STRIPE_ROWS, Scratch, add_columns};
+pub use decode::decode;
 pub use encode::{Curve, RateCurves, Rates, curve_row, encode, encode_row, join_rows};
 
 use alloc::vec::Vec;
@@ -258,13 +261,7 @@ impl Tiles {
                 let (bytes, rest) = payload.split_at(kind.bytes());
                 payload = rest;
                 let bad = |x: &f32| !x.is_finite() || x.is_sign_negative();
-                // Decoding takes the root of a scale, which makes a number even of what is none.
-                let scale = match (kind, bytes.first_chunk()) {
-                    (Kind::F16 | Kind::F32, _) | (_, None) => 0.0,
-                    (_, Some(scale)) => encode::scale_of(u16::from_le_bytes(*scale)),
-                };
-                if kind != Kind::Empty && (bad(&scale) || decode(kind, bytes).as_flattened().iter().any(bad))
-                {
+                if decode(kind, bytes).as_flattened().iter().any(bad) {
                     return Err(TileError::BadValue { row, column });
                 }
             }
