@@ -14,6 +14,7 @@ use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::SurfacePoint;
 use etendue_core::illumination::{ElementSettings, Elements, Sides};
 use etendue_core::math::Vec3;
+use etendue_core::medium::Inside;
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
 use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
 use etendue_core::radiosity::form_factors::{FormFactors, Row};
@@ -25,8 +26,9 @@ use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, FirstShot, FirstShotError, Forecast, Subdivision, Weights};
 use etendue_core::transport::gather::{MapView, ProbePlace};
 use etendue_core::transport::path::PathTracer;
+use etendue_core::transport::volume::{Surroundings, VolumeTracer, inside_of_probe};
 use etendue_core::transport::{TransportCode, place_probe, resolve_probe};
-use etendue_core::with_path_tracer;
+use etendue_core::{with_path_tracer, with_volume_tracer};
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -62,6 +64,7 @@ pub struct CpuSession {
     tree: Tree,
     preparation: Vec<(&'static str, f64)>,
     code: TransportCode,
+    surroundings: Surroundings,
     /// The last density of photons' starts that was asked for, and the last elements.
     shot: Kept<(Subdivision, Weights), FirstShot>,
     elements: Kept<ElementSettings, Elements>,
@@ -73,7 +76,18 @@ impl CpuSession {
         let tree = Tree::build(&scene.primitives());
         let preparation = vec![("tree", start.elapsed().as_secs_f64())];
         let code = TransportCode::of(&scene.needs);
-        Ok(Self { pool, scene, tree, preparation, code, shot: Kept::new(), elements: Kept::new() })
+        let surroundings =
+            if scene.needs.volume() { Surroundings::of(&scene, &tree) } else { Surroundings::default() };
+        Ok(Self {
+            pool,
+            scene,
+            tree,
+            preparation,
+            code,
+            surroundings,
+            shot: Kept::new(),
+            elements: Kept::new(),
+        })
     }
 
     /// The tree, for hosts that trace rays of their own.
@@ -186,9 +200,17 @@ impl CpuSession {
         )
     }
 
+    /// Surfaces alone.
     fn check(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
         job.check()?;
         self.check_film("path", film, expected)
+    }
+
+    /// What paths carry.
+    fn check_paths(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
+        job.check()?;
+        check_needs("path", self.scene.needs.beyond_paths())?;
+        same_film(film, expected)
     }
 
     fn check_film(
@@ -197,15 +219,20 @@ impl CpuSession {
         film: &Film,
         expected: &FilmSettings,
     ) -> Result<(), BackendError> {
-        if let Some(missing) = self.scene.needs.beyond_surfaces() {
-            return Err(BackendError::SceneNeeds { method, missing });
-        }
-        if film.settings() != expected {
-            let error = FilmError::DifferentSettings { ours: *film.settings(), theirs: *expected };
-            return Err(error.into());
-        }
-        Ok(())
+        check_needs(method, self.scene.needs.beyond_surfaces())?;
+        same_film(film, expected)
     }
+}
+
+fn check_needs(method: &'static str, missing: Option<String>) -> Result<(), BackendError> {
+    missing.map_or(Ok(()), |missing| Err(BackendError::SceneNeeds { method, missing }))
+}
+
+fn same_film(film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
+    if film.settings() == expected {
+        return Ok(());
+    }
+    Err(FilmError::DifferentSettings { ours: *film.settings(), theirs: *expected }.into())
 }
 
 widest! {
@@ -227,6 +254,32 @@ widest! {
         tracer: &PathTracer<'_, L, T, S>,
         tree: &Tree,
         probe: (u32, SurfacePoint, Vec3),
+        job: &PathJob,
+        block: u32,
+    ) -> ([f64; 3], u64) {
+        tracer.probe_block(tree, probe, job.seed, block, job.block_length)
+    }
+}
+
+widest! {
+    /// [`VolumeTracer::pixel_block`] of a job.
+    fn volume_pixel_block[const L: bool, const T: bool, const S: bool](
+        tracer: &VolumeTracer<'_, L, T, S>,
+        tree: &Tree,
+        pixel: [u32; 2],
+        job: &PathJob,
+        block: u32,
+    ) -> ([f64; 3], u64) {
+        tracer.pixel_block(tree, pixel, job.seed, block, job.block_length)
+    }
+}
+
+widest! {
+    /// [`VolumeTracer::probe_block`] of a job.
+    fn volume_probe_block[const L: bool, const T: bool, const S: bool](
+        tracer: &VolumeTracer<'_, L, T, S>,
+        tree: &Tree,
+        probe: (u32, (SurfacePoint, Vec3), Inside),
         job: &PathJob,
         block: u32,
     ) -> ([f64; 3], u64) {
@@ -256,9 +309,19 @@ impl Session for CpuSession {
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
         let expected = backend::image_film_settings(&self.scene, job)?;
-        self.check(job, film, &expected)?;
+        self.check_paths(job, film, &expected)?;
         let chunks = image_chunks(expected.width, expected.height);
         let width = expected.width;
+        if self.scene.needs.volume() {
+            let camera = self.surroundings.camera;
+            return with_volume_tracer!(self.code, (&self.scene, job.max_depth, camera), |tracer| {
+                let mean = |element: u32, block: u32| {
+                    let pixel = [element % width, element / width];
+                    volume_pixel_block(&tracer, &self.tree, pixel, job, block)
+                };
+                run_blocks(&self.pool, job, &chunks, mean, control, film)
+            });
+        }
         with_path_tracer!(self.code, &self.scene, job.max_depth, |tracer| {
             let mean = |element: u32, block: u32| {
                 let pixel = [element % width, element / width];
@@ -276,12 +339,24 @@ impl Session for CpuSession {
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
         let expected = backend::probe_film_settings(&self.scene, job, probes.len());
-        self.check(job, film, &expected)?;
+        self.check_paths(job, film, &expected)?;
         let points: Vec<_> = backend::check_probes(probes)?
             .into_iter()
             .map(|(p, n)| (resolve_probe(&self.scene, &self.tree, p, n), n))
             .collect();
         let chunks = single_chunks(points.len());
+        if self.scene.needs.volume() {
+            let outside = self.surroundings.outside;
+            let insides: Vec<_> =
+                points.iter().map(|p| inside_of_probe(&self.scene, &self.tree, outside, p)).collect();
+            return with_volume_tracer!(self.code, (&self.scene, job.max_depth, Inside::NOTHING), |tracer| {
+                let mean = |element: u32, block: u32| {
+                    let i = element as usize;
+                    volume_probe_block(&tracer, &self.tree, (element, points[i], insides[i]), job, block)
+                };
+                run_blocks(&self.pool, job, &chunks, mean, control, film)
+            });
+        }
         with_path_tracer!(self.code, &self.scene, job.max_depth, |tracer| {
             let mean = |element: u32, block: u32| {
                 let (point, normal) = points[element as usize];
@@ -292,9 +367,7 @@ impl Session for CpuSession {
     }
 
     fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {
-        if let Some(missing) = self.scene.needs.beyond_surfaces() {
-            return Err(BackendError::SceneNeeds { method: "photon", missing });
-        }
+        check_needs("photon", self.scene.needs.beyond_surfaces())?;
         Ok(first_shot::forecast(&self.scene, &self.tree, subdivision, photons)?)
     }
 
@@ -389,9 +462,7 @@ impl Session for CpuSession {
             ];
             list.into_iter().find(|l| l.0).map(|l| l.1.into())
         });
-        if let Some(missing) = missing {
-            return Err(BackendError::SceneNeeds { method: "radiosity", missing });
-        }
+        check_needs("radiosity", missing)?;
         let elements = self.elements(&settings.elements(&self.scene));
         Ok(radiosity::patches(&self.pool, &self.scene, &self.tree, elements, settings))
     }

@@ -6,9 +6,11 @@ use etendue_core::backend::{
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::Bvh2;
 use etendue_core::kernel::{self, Kernel};
+use etendue_core::medium::Inside;
 use etendue_core::scene::CompiledScene;
+use etendue_core::transport::volume::{Surroundings, inside_of_probe};
 use etendue_core::transport::{TransportCode, resolve_probe};
-use etendue_core::with_path_tracer;
+use etendue_core::{with_path_tracer, with_volume_tracer};
 use std::sync::Arc;
 
 /// Core's functions in plain loops.
@@ -56,7 +58,7 @@ pub fn check_job(
     expected: &FilmSettings,
 ) -> Result<(), BackendError> {
     job.check()?;
-    if let Some(missing) = scene.needs.beyond_surfaces() {
+    if let Some(missing) = scene.needs.beyond_paths() {
         return Err(BackendError::SceneNeeds { method: "path", missing });
     }
     if film.settings() != expected {
@@ -116,6 +118,15 @@ impl Session for ReferenceSession {
         check_job(&self.scene, job, film, &expected)?;
         let tree = Bvh2::new(self.scene.primitives());
         let code = TransportCode::of(&self.scene.needs);
+        if self.scene.needs.volume() {
+            let camera = Surroundings::of(&self.scene, &tree).camera;
+            return with_volume_tracer!(code, (&self.scene, job.max_depth, camera), |tracer| {
+                serial_blocks(job, control, film, |element, block| {
+                    let pixel = [element % expected.width, element / expected.width];
+                    tracer.pixel_block(&tree, pixel, job.seed, block, job.block_length)
+                })
+            });
+        }
         with_path_tracer!(code, &self.scene, job.max_depth, |tracer| {
             serial_blocks(job, control, film, |element, block| {
                 let pixel = [element % expected.width, element / expected.width];
@@ -139,6 +150,18 @@ impl Session for ReferenceSession {
             .map(|(p, n)| (resolve_probe(&self.scene, &tree, p, n), n))
             .collect();
         let code = TransportCode::of(&self.scene.needs);
+        if self.scene.needs.volume() {
+            let outside = Surroundings::of(&self.scene, &tree).outside;
+            let insides: Vec<_> =
+                points.iter().map(|p| inside_of_probe(&self.scene, &tree, outside, p)).collect();
+            return with_volume_tracer!(code, (&self.scene, job.max_depth, Inside::NOTHING), |tracer| {
+                serial_blocks(job, control, film, |element, block| {
+                    let i = element as usize;
+                    let probe = (element, points[i], insides[i]);
+                    tracer.probe_block(&tree, probe, job.seed, block, job.block_length)
+                })
+            });
+        }
         with_path_tracer!(code, &self.scene, job.max_depth, |tracer| {
             serial_blocks(job, control, film, |element, block| {
                 let (point, normal) = points[element as usize];

@@ -23,6 +23,7 @@ pub mod illumination;
 pub mod kernel;
 pub mod light;
 pub mod math;
+pub mod medium;
 pub mod radiosity;
 pub mod sampling;
 pub mod scene;

@@ -116,6 +116,7 @@ fn bad_materials_textures_and_media_are_refused() {
         sigma_s: [0.1; 3],
         g,
         emission: [0.0; 3],
+        priority: 0,
         unsupported: String::new(),
     };
     for g in [1.0, -1.0, f32::NAN] {

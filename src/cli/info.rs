@@ -101,10 +101,14 @@ fn operator(args: &Args) -> Result<ExitCode, CliError> {
 /// The methods that have all that a scene needs.
 fn methods(scene: &CompiledScene) -> Vec<&'static str> {
     let n = &scene.needs;
-    if n.beyond_surfaces().is_some() {
+    if n.beyond_paths().is_some() {
         return Vec::new();
     }
-    let mut list = vec!["path", "photon"];
+    let mut list = vec!["path"];
+    if n.volume() {
+        return list;
+    }
+    list.push("photon");
     if !(n.mirrors || n.glossy || n.round_shapes) {
         list.push("radiosity");
     }
@@ -191,7 +195,7 @@ fn print(scene: &CompiledScene, stages: &Stages) {
         scene.camera.map_or_else(|| "none".into(), |c| format!("{} x {} pixels", c.width, c.height)),
     );
     line("needs", scene.needs.to_string());
-    match scene.needs.beyond_surfaces() {
+    match scene.needs.beyond_paths() {
         None => line("methods", methods(scene).join(", ")),
         Some(missing) => line("methods", format!("none in this version: the scene has {missing}")),
     }

@@ -26,6 +26,8 @@ pub fn transport_hash(scene: &CompiledScene) -> [u8; 32] {
         light_cumulative: _,
         environment: _,
         media,
+        camera_medium: _,
+        crossings: _,
         camera: _,
         bounds: _,
         needs: _,

@@ -226,6 +226,9 @@ const MATERIAL_KINDS: &[&str] = &[
     "null",
 ];
 
+/// Index of refraction where none is said.
+const GLASS: f32 = 1.5;
+
 /// `albedo`, `texture` or both, which multiply; or `checker`, which is not supported.
 fn albedo(
     s: &Section<'_>,
@@ -277,25 +280,35 @@ pub(crate) fn material(
         }
         "null" => MaterialKind::Null,
         "thin_film" => {
-            vector_or(s, "reflect", [0.0; 3])?;
-            vector_or(s, "transmit", [0.0; 3])?;
-            s.flag("scatter")?;
-            unsupported()
+            let (reflect, transmit) =
+                (vector_or(s, "reflect", [0.0; 3])?, vector_or(s, "transmit", [0.0; 3])?);
+            if s.flag("scatter")?.unwrap_or(false) {
+                MaterialKind::Unsupported("thin_film, scatter = true".into())
+            } else {
+                MaterialKind::ThinFilm { reflect, transmit }
+            }
         }
         "conductor" => {
-            s.one_or_three("eta")?;
-            s.one_or_three("k")?;
-            rough(s)?;
+            let eta = s.one_or_three("eta")?;
+            let k = s.one_or_three("k")?;
+            let expected = "eta and k, one number or three each";
+            let (eta, k) = (s.required(eta, "eta", expected)?, s.required(k, "k", expected)?);
+            if smooth(s)?.is_some() { MaterialKind::Conductor { eta, k } } else { unsupported() }
+        }
+        "plastic" => {
+            s.one_or_three("ior")?;
+            vector_or(s, "albedo", [0.5; 3])?;
+            smooth(s)?;
             unsupported()
         }
-        // dielectric, thin_dielectric, plastic
+        // dielectric, thin_dielectric
         other => {
-            s.one_or_three("ior")?;
-            if other == "plastic" {
-                vector_or(s, "albedo", [0.5; 3])?;
+            let ior = s.one_or_three("ior")?.unwrap_or([GLASS; 3]);
+            match smooth(s)? {
+                Some(schlick) if other == "dielectric" => MaterialKind::Dielectric { ior, schlick },
+                Some(schlick) => MaterialKind::ThinDielectric { ior, schlick },
+                None => unsupported(),
             }
-            rough(s)?;
-            unsupported()
         }
     };
     let desc = MaterialDesc {
@@ -308,13 +321,13 @@ pub(crate) fn material(
     Ok((desc, line))
 }
 
-/// The shape of the fields that rough interfaces share.
-fn rough(s: &Section<'_>) -> Result<(), LoadError> {
-    scalar_or(s, "roughness", 0.0)?;
-    scalar_or(s, "exponent", 0.0)?;
+/// Whether reflectances are by Schlick's fit; `None` where the surface is not smooth.
+fn smooth(s: &Section<'_>) -> Result<Option<bool>, LoadError> {
+    let roughness = scalar_or(s, "roughness", 0.0)?;
+    let lobe = s.number("exponent")?.is_some();
     s.word("distribution", &["ggx", "beckmann"])?;
-    s.word("fresnel", &["exact", "schlick"])?;
-    Ok(())
+    let schlick = s.word("fresnel", &["exact", "schlick"])? == Some("schlick");
+    Ok((roughness <= 0.0 && !lobe).then_some(schlick))
 }
 
 /// The medium and the line of its name.
@@ -330,15 +343,20 @@ pub(crate) fn medium(s: &Section<'_>) -> Result<(MediumDesc, usize), LoadError> 
     if s.line_of("bounds").is_some() && unsupported.is_empty() {
         unsupported.push("bounds".into());
     }
-    if s.whole("priority")?.is_some_and(|p| p.0 != 0) {
-        unsupported.push("priority".into());
-    }
+    let priority = match s.whole("priority")? {
+        Some((value, line)) => {
+            let expected = "a whole number that 32 bits hold";
+            i32::try_from(value).map_err(|_| s.error(line, "priority", value.to_string(), expected))?
+        }
+        None => 0,
+    };
     let desc = MediumDesc {
         name,
         sigma_a: vector_or(s, "sigma_a", zero)?,
         sigma_s: vector_or(s, "sigma_s", zero)?,
         g: scalar_or(s, "g", 0.0)?,
         emission: vector_or(s, "emission", zero)?,
+        priority,
         unsupported: unsupported.join(", "),
     };
     s.finish()?;

@@ -4,7 +4,8 @@ use super::GoldenScene;
 use crate::scenes::{camera, diffuse, environment, floor, material, mesh, point_light, room, shape, sphere};
 use crate::statistics::Random;
 use etendue_core::scene::{
-    LightDesc, MaterialDesc, MaterialKind, MeshDesc, Reflectance, SceneDesc, ShapeKind, TextureDesc, Wrap,
+    LightDesc, MaterialDesc, MaterialKind, MediumDesc, MeshDesc, Reflectance, SceneDesc, ShapeDesc,
+    ShapeKind, TextureDesc, Wrap,
 };
 
 /// 640 pixels: one may miss by chance, as heavy tails have it, and 99.75 % still agree.
@@ -17,6 +18,7 @@ pub fn scenes() -> Vec<GoldenScene> {
         GoldenScene { name: "gloss", scene: gloss(), text: include_str!("../../goldens/gloss.txt") },
         GoldenScene { name: "stage", scene: stage(), text: include_str!("../../goldens/stage.txt") },
         GoldenScene { name: "terrace", scene: terrace(), text: include_str!("../../goldens/terrace.txt") },
+        GoldenScene { name: "mist", scene: mist(), text: include_str!("../../goldens/mist.txt") },
     ]
 }
 
@@ -163,5 +165,64 @@ fn terrace() -> SceneDesc {
         ..SceneDesc::default()
     };
     scene.camera = Some(camera([0.5, -4.0, 2.2], [0.0, 0.0, 0.5], 55.0, RESOLUTION));
+    scene
+}
+
+/// Fog with a ball of another colour in it, glass, metal, a plate and a film, under the sky and a lamp; the camera stands in a thin haze that is everywhere.
+fn mist() -> SceneDesc {
+    let medium = |name: &str, sigma_a: [f32; 3], sigma_s: [f32; 3], g: f32| MediumDesc {
+        name: name.into(),
+        sigma_a,
+        sigma_s,
+        g,
+        emission: [0.0; 3],
+        priority: 0,
+        unsupported: String::new(),
+    };
+    let mut glowing = medium("ember", [2.0, 4.0, 6.0], [1.0, 0.5, 0.2], -0.3);
+    glowing.emission = [3.0, 1.0, 0.2];
+    let filled = |kind: ShapeKind, material: &str, interior: &str| ShapeDesc {
+        interior: interior.into(),
+        ..shape(kind, material)
+    };
+    let ball = |center: [f32; 3], radius: f32| ShapeKind::Sphere { center, radius };
+    let pane = |center: [f32; 3], u: [f32; 3], v: [f32; 3]| ShapeKind::Rectangle { center, u, v };
+    let mut scene = SceneDesc {
+        materials: vec![
+            coloured("ground", [0.5, 0.4, 0.3]),
+            MaterialDesc { emission: [8.0, 7.0, 6.0], ..diffuse("lamp", 0.0, 0.0) },
+            material("boundary", MaterialKind::Null, 0.0),
+            material("glass", MaterialKind::Dielectric { ior: [1.5; 3], schlick: false }, 0.0),
+            material("prism", MaterialKind::Dielectric { ior: [1.45, 1.5, 1.6], schlick: true }, 0.0),
+            material("copper", MaterialKind::Conductor { eta: [0.2, 0.9, 1.1], k: [3.9, 2.4, 2.2] }, 0.0),
+            material("plate", MaterialKind::ThinDielectric { ior: [1.5; 3], schlick: false }, 0.0),
+            material(
+                "film",
+                MaterialKind::ThinFilm { reflect: [0.1, 0.1, 0.3], transmit: [0.8, 0.6, 0.2] },
+                0.0,
+            ),
+        ],
+        media: vec![
+            medium("haze", [0.002; 3], [0.01, 0.015, 0.02], 0.2),
+            medium("fog", [0.1, 0.1, 0.2], [1.5, 1.0, 0.8], 0.7),
+            glowing,
+        ],
+        shapes: vec![
+            floor(0.0, 6.0, "ground"),
+            shape(pane([1.0, 0.5, 4.0], [0.0, 0.8, 0.0], [0.8, 0.0, 0.0]), "lamp"),
+            filled(ShapeKind::Box { min: [-1.8, -0.6, 0.01], max: [-0.2, 1.0, 1.6] }, "boundary", "fog"),
+            filled(ball([-1.0, 0.2, 0.7], 0.4), "boundary", "ember"),
+            shape(ball([0.6, 0.0, 0.5], 0.5), "glass"),
+            filled(ball([1.5, 0.9, 0.45], 0.45), "prism", "fog"),
+            shape(ball([0.9, -1.0, 0.3], 0.3), "copper"),
+            shape(pane([0.0, -1.2, 0.5], [0.4, 0.1, 0.0], [0.0, 0.0, 0.5]), "plate"),
+            shape(pane([-1.2, -1.2, 0.5], [0.3, 0.0, 0.0], [0.0, 0.0, 0.5]), "film"),
+        ],
+        lights: vec![environment(0.4)],
+        ..SceneDesc::default()
+    };
+    let mut eye = camera([0.2, -4.0, 1.4], [0.0, 0.2, 0.6], 50.0, RESOLUTION);
+    eye.medium = "haze".into();
+    scene.camera = Some(eye);
     scene
 }

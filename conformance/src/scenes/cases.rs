@@ -1,6 +1,6 @@
 //! What an analytic case is.
 
-use super::{closed, direct, open};
+use super::{closed, direct, media, open};
 use etendue_core::backend::Probe;
 use etendue_core::scene::SceneDesc;
 
@@ -73,5 +73,6 @@ pub fn cases() -> Vec<Case> {
     let mut all = closed::cases();
     all.extend(direct::cases());
     all.extend(open::cases());
+    all.extend(media::cases());
     all
 }

@@ -3,6 +3,7 @@
 pub mod cases;
 pub mod closed;
 pub mod direct;
+pub mod media;
 pub mod open;
 
 use etendue_core::backend::Probe;

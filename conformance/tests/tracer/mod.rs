@@ -4,7 +4,7 @@ use etendue_conformance::reference::{ReferenceBackend, check_job, serial_blocks}
 use etendue_core::backend::{
     self, Backend, BackendError, BackendInfo, Capabilities, Control, JobStats, PathJob, Probe, Session,
 };
-use etendue_core::bsdf::Lobes;
+use etendue_core::bsdf::{Interface, Lobes};
 use etendue_core::film::Film;
 use etendue_core::geometry::{Bvh2, Hit, Intersector, Primitives, Ray, SurfacePoint, offset_origin};
 use etendue_core::kernel::Kernel;
@@ -320,6 +320,7 @@ impl Session for TracerSession {
                 shading: if path.has(Fault::NormalFlipped) { -n } else { n },
                 wo: n,
                 lobes: Lobes::diffuse(Vec3::ONE),
+                interface: Interface::Opaque,
                 light: NO_INDEX,
                 from_front: true,
             };

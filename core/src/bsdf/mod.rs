@@ -5,7 +5,10 @@
 //! is their sum at one surface point.
 
 pub mod diffuse;
+pub mod fresnel;
+mod interface;
 mod lobes;
 pub mod phong;
 
+pub use interface::{Interface, Passage};
 pub use lobes::{BsdfSample, Lobes};

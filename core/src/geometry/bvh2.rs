@@ -19,33 +19,75 @@ struct Node {
     count: u32,
 }
 
-/// Binary tree over borrowed primitives, split at the median of the box centres along the longest axis.
+/// A binary tree of boxes, split at the median of their centres along the longest axis; what is in the boxes is not its own.
+#[derive(Clone, Debug, Default)]
+pub struct BoxTree {
+    nodes: Vec<Node>,
+    order: Vec<PrimitiveId>,
+}
+
+/// Binary tree over borrowed primitives.
 ///
 /// Agrees bit for bit with [`super::BruteForce`]. Built in O(n log^2 n); primitives with an empty box are left out.
 #[derive(Clone, Debug)]
 pub struct Bvh2<'a> {
     primitives: Primitives<'a>,
-    nodes: Vec<Node>,
-    order: Vec<PrimitiveId>,
+    tree: BoxTree,
 }
 
 impl<'a> Bvh2<'a> {
     /// Builds the tree. The same primitives give the same tree.
     pub fn new(primitives: Primitives<'a>) -> Self {
-        let mut items: Vec<(Aabb, PrimitiveId)> = (0..primitives.count())
-            .map(|id| (primitives.bounds(id as PrimitiveId), id as PrimitiveId))
-            .filter(|(bounds, _)| !bounds.is_empty())
-            .collect();
-        let mut tree = Self { primitives, nodes: Vec::new(), order: Vec::with_capacity(items.len()) };
+        let all = (0..primitives.count() as PrimitiveId).map(|id| (primitives.bounds(id), id));
+        Self { primitives, tree: BoxTree::new(all) }
+    }
+
+    /// The primitives the tree was built over.
+    pub fn primitives(&self) -> Primitives<'a> {
+        self.primitives
+    }
+}
+
+impl BoxTree {
+    /// Builds the tree; empty boxes are left out. The same boxes give the same tree.
+    pub fn new(items: impl IntoIterator<Item = (Aabb, PrimitiveId)>) -> Self {
+        let mut items: Vec<_> = items.into_iter().filter(|(bounds, _)| !bounds.is_empty()).collect();
+        let mut tree = Self { nodes: Vec::new(), order: Vec::with_capacity(items.len()) };
         if !items.is_empty() {
             tree.build(&mut items);
         }
         tree
     }
 
-    /// The primitives the tree was built over.
-    pub fn primitives(&self) -> Primitives<'a> {
-        self.primitives
+    /// Whether it has no box.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Whether a box touches the box of any leaf's: no less than it should, and rarely more.
+    pub fn touches(&self, bounds: &Aabb) -> bool {
+        let apart = |b: &Aabb| b.lo.cmpgt(bounds.hi).any() || b.hi.cmplt(bounds.lo).any();
+        let mut todo: Vec<u32> = (0..u32::from(!self.nodes.is_empty())).collect();
+        while let Some(index) = todo.pop() {
+            let node = &self.nodes[index as usize];
+            if apart(&node.bounds) {
+                continue;
+            }
+            if node.count > 0 {
+                return true;
+            }
+            todo.extend([index + 1, node.first]);
+        }
+        false
+    }
+
+    /// All hits of primitives of these numbers within `[0, t_max]`, in no order.
+    pub fn all_hits(&self, primitives: &Primitives<'_>, ray: &Ray, mut hit: impl FnMut(Hit)) {
+        let prepared = PreparedRay::new(ray);
+        self.walk(&prepared, ray.t_max, |ids, t| {
+            ids.iter().filter_map(|id| primitives.intersect(*id, &prepared, t)).for_each(&mut hit);
+            Some(t)
+        });
     }
 
     fn build(&mut self, items: &mut [(Aabb, PrimitiveId)]) {
@@ -132,7 +174,7 @@ impl Intersector for Bvh2<'_> {
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         let prepared = PreparedRay::new(ray);
         let mut best: Option<Hit> = None;
-        self.walk(&prepared, ray.t_max, |ids, mut t| {
+        self.tree.walk(&prepared, ray.t_max, |ids, mut t| {
             for &id in ids {
                 if let Some(hit) = self.primitives.intersect(id, &prepared, t)
                     && best.is_none_or(|b| hit.before(&b))
@@ -149,7 +191,7 @@ impl Intersector for Bvh2<'_> {
     fn occluded(&self, ray: &Ray) -> bool {
         let prepared = PreparedRay::new(ray);
         let mut found = false;
-        self.walk(&prepared, ray.t_max, |ids, t| {
+        self.tree.walk(&prepared, ray.t_max, |ids, t| {
             found = ids.iter().any(|&id| self.primitives.intersect(id, &prepared, t).is_some());
             if found { None } else { Some(t) }
         });

@@ -19,7 +19,7 @@ mod shape;
 mod surface;
 mod triangle;
 
-pub use bvh2::Bvh2;
+pub use bvh2::{BoxTree, Bvh2};
 pub use hilbert::{HilbertGrid, hilbert_index};
 pub use primitives::{BruteForce, Hit, Intersector, NO_PRIMITIVE, PrimitiveId, Primitives};
 pub use ray::{Aabb, PreparedRay, Ray, slab_entry};

@@ -10,7 +10,7 @@ use super::desc::{
 use super::error::{Cleanup, CompileReport, SceneError};
 use super::lights::{self, LightDraft};
 use super::needs::SceneNeeds;
-use crate::geometry::{Aabb, RoundShape, geometric_normal, sliver_factor};
+use crate::geometry::{Aabb, BoxTree, RoundShape, geometric_normal, sliver_factor};
 use crate::math::{self, Vec3};
 use crate::sensor::Camera;
 use alloc::collections::BTreeMap;
@@ -20,6 +20,10 @@ use alloc::vec::Vec;
 
 /// Largest number of primitives, vertices or texels: indices are 32 bits, and the last one means "none".
 const MAX_COUNT: usize = u32::MAX as usize - 1;
+/// How near to a boundary something touches it, in radii of the scene.
+const TOUCHING: f32 = 1e-5;
+/// Least and greatest index of refraction.
+const IOR: [f32; 2] = [1e-3, 1e3];
 /// Name of the material of surfaces that name none: diffuse, albedo 0.5.
 const DEFAULT_MATERIAL: &str = "(default)";
 
@@ -57,14 +61,34 @@ pub fn compile(desc: &SceneDesc) -> Result<(CompiledScene, CompileReport), Scene
     }
     if let Some(camera) = &desc.camera {
         b.out.camera = Some(Camera::try_new(camera)?);
-        if !camera.medium.is_empty() {
-            b.medium_index("camera", &camera.medium)?;
-        }
+        // There are fewer media than a u16 counts.
+        b.out.camera_medium = b.medium_index("camera", &camera.medium)? as u16;
     }
     let drafts = core::mem::take(&mut b.lights);
     lights::finish(&mut b.out, drafts, &mut b.report)?;
     b.needs();
+    b.out.crossings = crossings(&b.out);
     Ok((b.out, b.report))
+}
+
+/// See [`CompiledScene::crossings`].
+fn crossings(scene: &CompiledScene) -> BoxTree {
+    if !scene.needs.null_boundaries && !scene.needs.panes {
+        return BoxTree::default();
+    }
+    let primitives = scene.primitives();
+    // Wider than any ray is moved off a surface.
+    let reach = Vec3::splat(TOUCHING * scene.bounding_sphere().1);
+    let wide = |id: u32| {
+        let b = primitives.bounds(id);
+        Aabb { lo: b.lo - reach, hi: b.hi + reach }
+    };
+    let all = 0..primitives.count() as u32;
+    let passes = |id: &u32| scene.material_of(*id).flags & material_flags::PASSES != 0;
+    let boundaries = BoxTree::new(all.clone().filter(passes).map(|id| (wide(id), id)));
+    BoxTree::new(
+        all.filter(|id| boundaries.touches(&primitives.bounds(*id))).map(|id| (primitives.bounds(id), id)),
+    )
 }
 
 /// The scene under construction.
@@ -100,8 +124,10 @@ impl Default for CompiledScene {
             light_cumulative: Vec::new(),
             environment: [0.0; 3],
             media: Vec::new(),
+            camera_medium: 0,
             camera: None,
             bounds: Aabb::EMPTY,
+            crossings: BoxTree::default(),
             needs: SceneNeeds::default(),
         }
     }
@@ -245,9 +271,9 @@ impl Builder {
                 sigma_a: m.sigma_a,
                 g: m.g,
                 sigma_s: m.sigma_s,
-                pad0: 0.0,
+                priority: m.priority,
                 emission: m.emission,
-                pad1: 0.0,
+                pad: 0.0,
             });
         }
         if self.out.media.len() >= 0xffff {
@@ -506,6 +532,9 @@ impl Builder {
             needs.glossy |= m.flags & material_flags::GLOSSY != 0;
             needs.one_sided |= m.flags & material_flags::TWO_SIDED == 0;
             needs.null_boundaries |= m.flags & material_flags::NULL != 0;
+            needs.refraction |=
+                m.flags & (material_flags::DIELECTRIC | material_flags::THIN) == material_flags::DIELECTRIC;
+            needs.panes |= m.flags & material_flags::THIN != 0;
             if let MaterialKind::Unsupported(kind) = &draft.kind {
                 let name = format!("material kind \"{kind}\"");
                 if !needs.unsupported.contains(&name) {
@@ -527,15 +556,43 @@ fn surface_record(material: u32, media: u32, flags: u32) -> SurfaceRecord {
     SurfaceRecord { material, light: NO_INDEX, media, flags, normal: [0.0; 3], sliver: 1.0 }
 }
 
+fn schlick_flag(schlick: bool) -> u32 {
+    if schlick { material_flags::SCHLICK } else { 0 }
+}
+
 fn material_record(m: &MaterialDesc, textures: &BTreeMap<String, u32>) -> Result<MaterialRecord, SceneError> {
     let place = format!("material \"{}\"", m.name);
     let black = Reflectance::flat([0.0; 3]);
+    let film;
+    let ior = match &m.kind {
+        MaterialKind::Conductor { eta, .. } => *eta,
+        MaterialKind::Dielectric { ior, .. } | MaterialKind::ThinDielectric { ior, .. } => *ior,
+        _ => [1.0; 3],
+    };
+    finite(&place, "ior", &ior)?;
+    if let Some(&value) = ior.iter().find(|n| !(IOR[0]..=IOR[1]).contains(*n)) {
+        return out_of_range(&place, "ior", value, "an index of refraction from 0.001 to 1000");
+    }
     let (albedo, specular, exponent, kind_flags) = match &m.kind {
         MaterialKind::Diffuse { albedo } => (albedo, [0.0; 3], 0.0, 0),
         MaterialKind::Mirror { albedo } => (albedo, [0.0; 3], 0.0, material_flags::MIRROR),
         MaterialKind::Phong { specular, exponent } => (&black, *specular, *exponent, material_flags::GLOSSY),
         MaterialKind::DiffusePhong { albedo, specular, exponent } => {
             (albedo, *specular, *exponent, material_flags::GLOSSY)
+        }
+        MaterialKind::Conductor { k, .. } => {
+            (&black, *k, 0.0, material_flags::MIRROR | material_flags::CONDUCTOR)
+        }
+        MaterialKind::Dielectric { schlick, .. } => {
+            (&black, [0.0; 3], 0.0, material_flags::DIELECTRIC | schlick_flag(*schlick))
+        }
+        MaterialKind::ThinDielectric { schlick, .. } => {
+            let flags = material_flags::DIELECTRIC | material_flags::THIN | schlick_flag(*schlick);
+            (&black, [0.0; 3], 0.0, flags)
+        }
+        MaterialKind::ThinFilm { reflect, transmit } => {
+            film = Reflectance::flat(*reflect);
+            (&film, *transmit, 0.0, material_flags::FILM | material_flags::THIN)
         }
         MaterialKind::Null => (&black, [0.0; 3], 0.0, material_flags::NULL),
         MaterialKind::Unsupported(_) => (&black, [0.0; 3], 0.0, 0),
@@ -544,7 +601,8 @@ fn material_record(m: &MaterialDesc, textures: &BTreeMap<String, u32>) -> Result
     not_negative(&place, "specular", &specular)?;
     not_negative(&place, "exponent", &[exponent])?;
     not_negative(&place, "emission", &m.emission)?;
-    for (channel, (diffuse, glossy)) in albedo.color.iter().zip(specular).enumerate() {
+    let metal = kind_flags & material_flags::CONDUCTOR != 0;
+    for (channel, (diffuse, glossy)) in albedo.color.iter().zip(specular).enumerate().filter(|_| !metal) {
         // Decoded texels are at most 1, so the colour bounds the albedo with and without a bitmap.
         let value = diffuse + glossy;
         if value > 1.0 {
@@ -568,6 +626,8 @@ fn material_record(m: &MaterialDesc, textures: &BTreeMap<String, u32>) -> Result
         exponent,
         emission: m.emission,
         flags: kind_flags | sides,
+        ior,
+        pad: 0,
     })
 }
 

@@ -4,7 +4,7 @@
 //! positions, triangles, surfaces, vertex attributes, shapes, materials + textures, lights + their CDF, texels.
 
 use super::needs::SceneNeeds;
-use crate::geometry::{Aabb, Primitives, RoundShape};
+use crate::geometry::{Aabb, BoxTree, Primitives, RoundShape};
 use crate::math::{self, Vec3};
 use crate::sensor::Camera;
 use alloc::string::String;
@@ -26,6 +26,18 @@ pub mod material_flags {
     pub const NULL: u32 = 8;
     /// Shade with interpolated normals (a flag of surfaces, kept beside the others).
     pub const SHADING_NORMALS: u32 = 16;
+    /// A smooth boundary between dielectrics; with [`THIN`], a plate of one.
+    pub const DIELECTRIC: u32 = 32;
+    /// Light passes straight on.
+    pub const THIN: u32 = 64;
+    /// A thin film: `albedo` is reflected, `specular` passes straight on.
+    pub const FILM: u32 = 128;
+    /// A metal: a mirror whose reflectance is that of the index `ior` + i `specular`.
+    pub const CONDUCTOR: u32 = 256;
+    /// Reflectances by Schlick's fit.
+    pub const SCHLICK: u32 = 512;
+    /// Light passes it straight on.
+    pub const PASSES: u32 = NULL | THIN;
 }
 
 /// What a primitive's surface is: one record per triangle, then one per round shape.
@@ -62,6 +74,10 @@ pub struct MaterialRecord {
     pub emission: [f32; 3],
     /// [`material_flags`].
     pub flags: u32,
+    /// Index of refraction behind the surface over that in front, per channel; 1 where there is none.
+    pub ior: [f32; 3],
+    /// Zero.
+    pub pad: u32,
 }
 
 /// A bitmap's place in the texel arena.
@@ -137,12 +153,12 @@ pub struct MediumRecord {
     pub g: f32,
     /// Scattering \[1/m\] per channel.
     pub sigma_s: [f32; 3],
-    /// Zero.
-    pub pad0: f32,
+    /// Where media overlap, the one with the highest counts.
+    pub priority: i32,
     /// Emitted radiance per metre.
     pub emission: [f32; 3],
     /// Zero.
-    pub pad1: f32,
+    pub pad: f32,
 }
 
 /// A validated scene, ready for any backend.
@@ -178,10 +194,14 @@ pub struct CompiledScene {
     pub environment: [f32; 3],
     /// Media.
     pub media: Vec<MediumRecord>,
+    /// Number, counted from 1, of the medium that the camera is said to stand in; 0 where nothing is said.
+    pub camera_medium: u16,
     /// The camera, if the scene has one.
     pub camera: Option<Camera>,
     /// A box around all surfaces.
     pub bounds: Aabb,
+    /// Boundaries that light passes straight on, and all that touches them: what may lie where one is crossed.
+    pub crossings: BoxTree,
     /// The transport that occurs.
     pub needs: SceneNeeds,
 }

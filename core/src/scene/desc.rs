@@ -215,6 +215,34 @@ pub enum MaterialKind {
         /// Exponent n >= 0.
         exponent: f32,
     },
+    /// A smooth metal of refractive index eta + i k.
+    Conductor {
+        /// Real part per channel, above 0.
+        eta: [f32; 3],
+        /// Imaginary part per channel.
+        k: [f32; 3],
+    },
+    /// A smooth boundary: behind it is a dielectric of this index, relative to what is in front.
+    Dielectric {
+        /// Index per channel, above 0; different ones disperse.
+        ior: [f32; 3],
+        /// Reflectance by Schlick's fit instead of Fresnel's equations.
+        schlick: bool,
+    },
+    /// A plate of a dielectric, so thin that light passes straight on.
+    ThinDielectric {
+        /// Index per channel, above 0.
+        ior: [f32; 3],
+        /// Reflectance by Schlick's fit instead of Fresnel's equations.
+        schlick: bool,
+    },
+    /// A film that reflects like a mirror and that light passes straight on, reflect + transmit <= 1 per channel.
+    ThinFilm {
+        /// What is reflected.
+        reflect: [f32; 3],
+        /// What passes.
+        transmit: [f32; 3],
+    },
     /// No surface at all: a boundary between media.
     Null,
     /// A kind that the scene file knows and this version does not render; the name is kept for messages.
@@ -247,6 +275,8 @@ pub struct MediumDesc {
     pub g: f32,
     /// Radiance emitted per metre \[W m^-3 sr^-1\] per channel.
     pub emission: [f32; 3],
+    /// Where media overlap, the one with the highest counts; among equals the one entered last.
+    pub priority: i32,
     /// Names a grid (or another extension) that this version does not render; empty for none.
     pub unsupported: String,
 }

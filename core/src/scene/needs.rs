@@ -33,6 +33,10 @@ pub struct SceneNeeds {
     pub media: bool,
     /// Boundaries that are no surfaces.
     pub null_boundaries: bool,
+    /// Dielectrics that refract.
+    pub refraction: bool,
+    /// Thin plates and films.
+    pub panes: bool,
     /// Kinds of material or medium that this version does not render, by name, each once.
     pub unsupported: Vec<String>,
 }
@@ -40,7 +44,7 @@ pub struct SceneNeeds {
 impl SceneNeeds {
     /// Something beyond two-sided diffuse surfaces has to be evaluated at a hit.
     pub fn lobes(&self) -> bool {
-        self.mirrors || self.glossy || self.one_sided
+        self.mirrors || self.glossy || self.one_sided || self.refraction || self.panes
     }
 
     /// Nothing in the scene emits light.
@@ -48,15 +52,25 @@ impl SceneNeeds {
         !(self.point_like_lights || self.area_lights || self.environment)
     }
 
-    /// Why surface path tracing cannot render this scene; `None` where it can.
+    /// Light is changed on its way or passes surfaces.
+    pub fn volume(&self) -> bool {
+        self.media || self.null_boundaries || self.refraction || self.panes
+    }
+
+    /// Why path tracing cannot render this scene; `None` where it can.
+    pub fn beyond_paths(&self) -> Option<String> {
+        (!self.unsupported.is_empty()).then(|| self.unsupported.join(", "))
+    }
+
+    /// Why what knows surfaces alone cannot render this scene; `None` where it can.
     pub fn beyond_surfaces(&self) -> Option<String> {
-        let mut missing: Vec<&str> = Vec::new();
-        if self.media {
-            missing.push("participating media");
-        }
-        if self.null_boundaries {
-            missing.push("null boundaries");
-        }
+        let parts = [
+            (self.media, "participating media"),
+            (self.null_boundaries, "null boundaries"),
+            (self.refraction, "dielectrics"),
+            (self.panes, "thin plates or films"),
+        ];
+        let mut missing: Vec<&str> = parts.iter().filter(|p| p.0).map(|p| p.1).collect();
         missing.extend(self.unsupported.iter().map(String::as_str));
         (!missing.is_empty()).then(|| missing.join(", "))
     }
@@ -78,6 +92,8 @@ impl fmt::Display for SceneNeeds {
             (self.thin_lens, "thin lens"),
             (self.media, "participating media"),
             (self.null_boundaries, "null boundaries"),
+            (self.refraction, "dielectrics"),
+            (self.panes, "thin plates or films"),
         ];
         let mut first = true;
         for name in

@@ -1,7 +1,7 @@
 //! What estimators that trace back from the sensor share: the first ray, the probe's surface, emission that is met, roulette, and sums of blocks.
 
 use super::{Surface, mis};
-use crate::bsdf::Lobes;
+use crate::bsdf::{Interface, Lobes};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::light;
 use crate::math::{self, Vec3};
@@ -41,6 +41,7 @@ pub(super) fn white_surface(point: SurfacePoint, n: Vec3) -> Surface {
         shading: n,
         wo: n,
         lobes: Lobes::diffuse(Vec3::ONE),
+        interface: Interface::Opaque,
         light: NO_INDEX,
         from_front: true,
     }

@@ -10,6 +10,7 @@ pub mod mis;
 pub mod path;
 pub mod photon;
 mod surface;
+pub mod volume;
 
 use crate::geometry::{Hit, Intersector, Ray};
 

@@ -1,13 +1,13 @@
 //! What a ray finds at a hit: point, normals, lobes, emission.
 
 use super::gather::ProbePlace;
-use crate::bsdf::Lobes;
+use crate::bsdf::{Interface, Lobes, fresnel};
 use crate::geometry::{
     Hit, Intersector, PrimitiveId, Ray, SurfacePoint, hit_point_with, offset_origin, shape_normal,
     shape_point,
 };
 use crate::math::{self, Vec3};
-use crate::scene::{CompiledScene, NO_INDEX, SceneNeeds, material_flags, sample_bitmap};
+use crate::scene::{CompiledScene, MaterialRecord, NO_INDEX, SceneNeeds, material_flags, sample_bitmap};
 
 /// Which code a scene needs at a hit; each combination is an instance of its own, so that what is absent costs
 /// nothing. Three flags make the eight instances that are compiled.
@@ -71,6 +71,8 @@ pub struct Surface {
     pub wo: Vec3,
     /// What is reflected; black from behind a one-sided surface.
     pub lobes: Lobes,
+    /// What passes, and is reflected with it.
+    pub interface: Interface,
     /// Index of the light that the primitive is, or [`NO_INDEX`].
     pub light: u32,
     /// The ray met the front.
@@ -78,6 +80,39 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// What depends on the angle: metals, plates and films, and on the side: dielectrics.
+    #[inline(always)]
+    fn refine(&mut self, material: &MaterialRecord) {
+        const ANY: u32 = material_flags::CONDUCTOR | material_flags::DIELECTRIC | material_flags::FILM;
+        if material.flags & ANY != 0 {
+            self.refine_smooth(material);
+        }
+    }
+
+    fn refine_smooth(&mut self, material: &MaterialRecord) {
+        let has = |flag: u32| material.flags & flag != 0;
+        let (ior, second) = (Vec3::from_array(material.ior), Vec3::from_array(material.specular));
+        let cos = self.wo.dot(self.shading).clamp(0.0, 1.0);
+        if has(material_flags::CONDUCTOR) {
+            // Black from behind where it has one side.
+            if self.lobes.mirror {
+                self.lobes.albedo = fresnel::conductor_rgb(cos, ior, second);
+            }
+            self.lobes.specular = Vec3::ZERO;
+            return;
+        }
+        self.lobes = Lobes::diffuse(Vec3::ZERO);
+        let schlick = has(material_flags::SCHLICK);
+        self.interface = if has(material_flags::FILM) {
+            Interface::Pane { reflect: Vec3::from_array(material.albedo), transmit: second }
+        } else if has(material_flags::THIN) {
+            Interface::plate(cos, ior, schlick)
+        } else {
+            let ratio = if self.from_front { ior } else { Vec3::ONE / ior };
+            Interface::Dielectric { ratio, schlick }
+        };
+    }
+
     /// Start of a ray into direction `wi`.
     #[inline(always)]
     pub fn leave(&self, wi: Vec3) -> Vec3 {
@@ -132,7 +167,21 @@ pub fn surface_at<const LOBES: bool, const TEXTURES: bool, const SHADING: bool>(
     if SHADING && record.flags & material_flags::SHADING_NORMALS != 0 {
         shading = interpolated_normal(scene, vertex, hit, from_front, wo).unwrap_or(geometric);
     }
-    Some(Surface { point, front, geometric, shading, wo, lobes, light: record.light, from_front })
+    let mut surface = Surface {
+        point,
+        front,
+        geometric,
+        shading,
+        wo,
+        lobes,
+        interface: Interface::Opaque,
+        light: record.light,
+        from_front,
+    };
+    if LOBES {
+        surface.refine(material);
+    }
+    Some(surface)
 }
 
 /// Albedo per channel at a hit, the bitmap included; black for an unknown primitive. Sides are not asked for.

@@ -16,7 +16,7 @@ const NEAR: f64 = 0.97;
 pub const PASSES: u32 = 3;
 const PASSES_MOST: u32 = 12;
 /// Share of the allowed error, in the root mean square, that is left to passes.
-const PASSES_SHARE: f64 = 0.6;
+const PASSES_SHARE: f64 = 0.8;
 /// What passes may leave where form factors are stored as they are.
 const FULL_ERROR: f64 = 0.005;
 /// Most plain bounces.

@@ -32,15 +32,33 @@ pub enum ProbeLights {
     Fit,
 }
 
-/// Lights that a codec is judged by: direct irradiance on all patches, eight of them, or seven to find weights by. Single lit patches are the hardest; lamps near a wall, suns and an even light follow.
+/// Lights that a codec is judged by: direct irradiance on all patches, eight of them, or fourteen to find weights by. Single lit patches are the hardest; lamps near a wall, suns and an even light follow.
 pub fn probe_lights(map: &PatchMap, row_sums: &[f64], purpose: ProbeLights) -> Vec<Light> {
+    let n = map.patches.len();
+    match purpose {
+        // One even light there is: it measures.
+        ProbeLights::Measure => {
+            let mut lights = lights_from(map, row_sums, n / 14, [[0.48, 0.80, 0.36], [-0.6, 0.64, 0.48]]);
+            lights.push(vec![COLOUR; n]);
+            lights
+        }
+        ProbeLights::Fit => [
+            (n / 35, [[0.0, 0.8, 0.6], [-0.36, 0.48, -0.8]]),
+            (4 * n / 35, [[0.8, 0.6, 0.0], [0.28, 0.96, 0.0]]),
+        ]
+        .into_iter()
+        .flat_map(|(offset, suns)| lights_from(map, row_sums, offset, suns))
+        .collect(),
+    }
+}
+
+/// What all probe lights have.
+const COLOUR: [f32; 3] = [1.0, 0.8, 0.6];
+
+/// Two lit patches, three lamps near patches and two suns; the patches are sevenths of all apart, from an offset on.
+fn lights_from(map: &PatchMap, row_sums: &[f64], offset: usize, suns: [[f32; 3]; 2]) -> Vec<Light> {
     let list = map.patches.list();
     let n = list.len();
-    let colour = [1.0, 0.8, 0.6];
-    let (offset, suns) = match purpose {
-        ProbeLights::Measure => (n / 14, [[0.48, 0.80, 0.36], [-0.6, 0.64, 0.48]]),
-        ProbeLights::Fit => (n / 35, [[0.0, 0.8, 0.6], [-0.36, 0.48, -0.8]]),
-    };
     let mut lights = Vec::new();
     // From there on the first patch that sees something.
     let at = |k: usize| {
@@ -49,7 +67,7 @@ pub fn probe_lights(map: &PatchMap, row_sums: &[f64], purpose: ProbeLights) -> V
     };
     for k in [1, 4] {
         let mut one = vec![[0.0; 3]; n];
-        one[at(k)] = colour;
+        one[at(k)] = COLOUR;
         lights.push(one);
     }
     let extent = (0..3)
@@ -71,7 +89,7 @@ pub fn probe_lights(map: &PatchMap, row_sums: &[f64], purpose: ProbeLights) -> V
                     let squared: f32 = d.iter().map(|x| x * x).sum();
                     let cosine: f32 = (0..3).map(|c| d[c] * q.normal[c]).sum::<f32>()
                         / squared.sqrt().max(f32::MIN_POSITIVE);
-                    colour.map(|c| c * cosine.max(0.0) / squared.max(1e-4 * extent * extent))
+                    COLOUR.map(|c| c * cosine.max(0.0) / squared.max(1e-4 * extent * extent))
                 })
                 .collect(),
         );
@@ -79,13 +97,9 @@ pub fn probe_lights(map: &PatchMap, row_sums: &[f64], purpose: ProbeLights) -> V
     for sun in suns {
         lights.push(
             list.iter()
-                .map(|q| colour.map(|x| x * (0..3).map(|c| sun[c] * q.normal[c]).sum::<f32>().max(0.0)))
+                .map(|q| COLOUR.map(|x| x * (0..3).map(|c| sun[c] * q.normal[c]).sum::<f32>().max(0.0)))
                 .collect(),
         );
-    }
-    // One there is of these: it measures.
-    if purpose == ProbeLights::Measure {
-        lights.push(vec![colour; n]);
     }
     lights
 }

@@ -109,7 +109,7 @@ fn main() -> Outcome<()> {
     let mut plan = Plan {
         data: std::env::var_os("ETENDUE_SCENES").map(PathBuf::from),
         sizes: vec![4000, 8000],
-        probes: vec![1000, 2000, 4000, 8000],
+        probes: vec![1000, 2000, 4000, 8000, 16_000],
         bake: 8000,
         published: 4000,
         figures: docs.join("operator"),

@@ -181,6 +181,21 @@ impl Coarse {
             + 8 * SIDE * self.into.len()
     }
 
+    /// x - P Q x: what clusters cannot hold.
+    pub(super) fn subtract_means(&self, values: &mut [Planes<3>]) {
+        for (values, (shares, spread)) in values.iter_mut().zip(self.shares.iter().zip(&self.spread)) {
+            for x in values {
+                let mut mean = 0.0;
+                for k in 0..SIDE {
+                    mean += shares[k] * x[k];
+                }
+                for k in 0..SIDE {
+                    x[k] -= spread[k] * mean;
+                }
+            }
+        }
+    }
+
     /// Gc Q r, in runs of eight clusters.
     pub(super) fn apply<'r, P: Products>(
         &self,

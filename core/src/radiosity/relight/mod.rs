@@ -14,12 +14,15 @@
 //! ```
 //!
 //! P gives a cluster's irradiance to its patches, to each in proportion to what it sees of others, w, the sum of its row of F; Q is the mean that belongs to it, with weights a w / Ac, Ac = sum of a w^2 (Q P = 1), and Rc the mean of R w.
-//! (Alike to all, as in a closed room where w is 1, total light is five times as far off in open scenes.) The first B is B0 + R P Gc Q B0, which needs no pass and takes a third of the error away. The last pass gives E = F B + P Gc Q r, the clusters' share of all that was still to come.
+//! (Alike to all, as in a closed room where w is 1, total light is five times as far off in open scenes.) The first B is B0 + R P Gc Q B0, which needs no pass and takes a third of the error away. Each pass gives E = F B + P Gc Q r, the clusters' share of all that was still to come.
+//! What clusters cannot hold of r, (1 - P Q) r, goes once more through the few pairs of patches that see most of each other, F(i, j) F(j, i) > 0.05^2, and what clusters
+//! cannot hold of that is added to E: light caught between surfaces near each other, of which a pass alone lets little out. The operator in front of r stays symmetric.
 //! Where surfaces face each other closely a pass would overshoot, and makes only a part of its change ([`Relighter::damping`]).
 //!
 //! It is one fixed linear map of E_direct: no test of convergence, the same time for all lights.
 
 mod coarse;
+mod near;
 mod passes;
 #[cfg(test)]
 mod tests;
@@ -36,6 +39,7 @@ use super::tiles::{Planes, Rates, SIDE, Scratch, TileError, Tiles, encode, tile_
 use crate::math;
 use alloc::vec::Vec;
 use core::fmt;
+use near::Near;
 
 /// Steps of balancing the sums of rows of tiles.
 const BALANCE_STEPS: u32 = 16;
@@ -132,6 +136,7 @@ pub struct Relighter {
     out: Vec<[f32; SIDE]>,
     albedo: Vec<Planes<3>>,
     coarse: Option<Coarse>,
+    near: Near,
     /// Weights of passes; see [`weights`].
     weights: Vec<f32>,
     /// What part of its change a pass makes: less than 1 where it would overshoot.
@@ -285,6 +290,7 @@ impl Relighter {
             out,
             albedo: planes(albedo),
             coarse: None,
+            near: Near::default(),
             weights: Vec::new(),
             damping: 1.0,
         })
@@ -303,6 +309,7 @@ impl Relighter {
         let spread = self.row_sums();
         let clusters = self.clusters(&spread);
         self.coarse = Some(Coarse::new(multiply, &clusters, (&self.areas, &spread), &albedo, rates)?);
+        self.near = Near::of(&self);
         Ok(self.settled(multiply))
     }
 
@@ -313,6 +320,7 @@ impl Relighter {
     pub fn with_coarse_of(mut self, other: &Self, rates: Rates) -> Result<Self, RelightError> {
         check_len("patches", other.len(), self.len())?;
         self.coarse = other.coarse.as_ref().map(|c| c.encoded(rates)).transpose()?;
+        self.near = if self.coarse.is_some() { Near::of(&self) } else { Near::default() };
         self.damping = other.damping;
         Ok(self)
     }
@@ -334,6 +342,7 @@ impl Relighter {
     #[must_use]
     pub fn without_coarse(mut self) -> Self {
         self.coarse = None;
+        self.near = Near::default();
         self.damping = 1.0;
         self
     }
@@ -348,6 +357,7 @@ impl Relighter {
             return Err(RelightError::BadValue { slice: "damping", patch: 0, value: damping });
         }
         self.coarse = Some(Coarse::from_tiles(tiles, (&self.areas, &spread), rates)?);
+        self.near = Near::of(&self);
         self.damping = damping;
         Ok(self)
     }
@@ -465,7 +475,10 @@ impl Relighter {
 
     /// Bytes of everything a relighting reads: tiles, the clusters' inverses, a factor, an area and an albedo per patch.
     pub fn bytes(&self) -> usize {
-        self.tiles.bytes() + self.coarse.as_ref().map_or(0, Coarse::bytes) + self.len() * (4 + 4 + 12)
+        self.tiles.bytes()
+            + self.coarse.as_ref().map_or(0, Coarse::bytes)
+            + self.near.bytes()
+            + self.len() * (4 + 4 + 12)
     }
 }
 

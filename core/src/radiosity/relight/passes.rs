@@ -229,6 +229,16 @@ impl Relighter {
         }
         let sent = coarse.apply(products, &room.rest, &mut room.coarse);
         add_sent(&mut room.y, sent, coarse.spread());
+        // What clusters cannot hold goes once more to where most of it goes.
+        coarse.subtract_means(&mut room.rest);
+        room.x.iter_mut().for_each(|x| *x = Planes::default());
+        self.near.add(&room.rest, &mut room.x);
+        coarse.subtract_means(&mut room.x);
+        for (y, x) in room.y.as_flattened_mut().iter_mut().zip(room.x.as_flattened()) {
+            for k in 0..SIDE {
+                y[k] += x[k];
+            }
+        }
         if self.damping < 1.0 {
             for (y, last) in room.y.as_flattened_mut().iter_mut().zip(room.last.as_flattened()) {
                 for k in 0..SIDE {

@@ -322,3 +322,28 @@ fn what_sees_nothing_stays_dark_and_sends_nothing() {
     assert_eq!(found[lonely], [0.0; 3]);
     assert!(found[lonely + 1][0] > 0.1);
 }
+
+#[test]
+fn light_between_surfaces_near_each_other_takes_fewer_passes() {
+    // Plates face each other, each in a cluster of plates that face the other way from its partner.
+    let n = 128;
+    let mut f = form_factors(n, 0.2);
+    for i in 0..n / 2 {
+        let j = i + n / 2;
+        f.half[j * (j + 1) / 2 + i] += 0.7 * f.areas[i].min(f.areas[j]);
+    }
+    let rho = albedo(n, 0.9);
+    let made = Relighter::encode(&f, &rho, Rates::Uniform(Kind::F32)).unwrap();
+    let two = made.with_coarse(&polynomial::Portable, Rates::Uniform(Kind::F32)).unwrap();
+    let without = Relighter { near: near::Near::default(), ..two.clone() };
+    let direct = one_lit(n);
+    let exact = truth(&f, &rho, &direct, &[]);
+    for passes in [2, 3, 5] {
+        let [with, without] =
+            [&two, &without].map(|r| distance(&run(r, &direct, &[], passes), &exact, &f.areas));
+        assert!(with < 0.7 * without, "{passes}: {with} {without}");
+    }
+    // It changes the way, not the end.
+    assert!(distance(&run(&two, &direct, &[], 80), &exact, &f.areas) < 2e-6);
+    assert!(two.bytes() > without.bytes());
+}

@@ -9,14 +9,14 @@ use super::RelightError;
 use alloc::vec::Vec;
 
 /// What the square of the relative error of the total counts beside that of irradiance.
-const TOTAL: f64 = 4.0;
+const TOTAL: f64 = 25.0;
 /// Share of the mean diagonal that draws weights to 1 where the changes do not tell.
 const DRAW: f64 = 1e-9;
 
 /// Weights for so many passes, from lights (direct irradiance per patch) and their exact indirect irradiance. `relight` gives the indirect irradiance of a light after
 /// a number of passes, none of them weighted.
 ///
-/// What they make least is the mean over lights of squares of the relative error, by area, and of the relative error of the total, the latter four times.
+/// What they make least is the mean over lights of squares of the relative error, by area, and of the relative error of the total, the latter twenty-five times.
 ///
 /// # Errors
 /// Of `relight`; a light that has another number of patches than there are areas.

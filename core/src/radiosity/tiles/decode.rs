@@ -92,41 +92,35 @@ impl<const A: usize, const B: usize> Codes for Bits<A, B> {
     }
 }
 
+/// Numbers as they are.
+pub(super) struct Plain<const BYTES: usize>([f32; SIDE * SIDE]);
+
 /// f16 as they are.
-pub(super) struct Halves([u16; SIDE * SIDE]);
-
-impl Codes for Halves {
-    #[inline(always)]
-    fn open(bytes: &[u8]) -> Option<Self> {
-        let bytes = bytes.first_chunk::<128>()?;
-        Some(Self(core::array::from_fn(|k| u16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]]))))
-    }
-
-    #[inline(always)]
-    fn pair(&self, p: usize) -> [f32; PAIR] {
-        core::array::from_fn(|k| half::to_f32(self.0[PAIR * p + k]))
-    }
-
-    #[inline(always)]
-    fn unit(&self) -> f32 {
-        1.0
-    }
-}
-
+pub(super) type Halves = Plain<2>;
 /// f32 as they are.
-pub(super) struct Floats([u32; SIDE * SIDE]);
+pub(super) type Floats = Plain<4>;
 
-impl Codes for Floats {
+impl<const BYTES: usize> Codes for Plain<BYTES> {
     #[inline(always)]
     fn open(bytes: &[u8]) -> Option<Self> {
-        let bytes = bytes.first_chunk::<256>()?;
-        let word = |k: usize| [bytes[4 * k], bytes[4 * k + 1], bytes[4 * k + 2], bytes[4 * k + 3]];
-        Some(Self(core::array::from_fn(|k| u32::from_le_bytes(word(k)))))
+        let mut all = [0.0; SIDE * SIDE];
+        if BYTES == 2 {
+            let (halves, _) = bytes.first_chunk::<128>()?.as_chunks::<2>();
+            for (x, bytes) in all.iter_mut().zip(halves) {
+                *x = half::to_f32(u16::from_le_bytes(*bytes));
+            }
+        } else {
+            let (floats, _) = bytes.first_chunk::<256>()?.as_chunks::<4>();
+            for (x, bytes) in all.iter_mut().zip(floats) {
+                *x = f32::from_le_bytes(*bytes);
+            }
+        }
+        Some(Self(all))
     }
 
     #[inline(always)]
     fn pair(&self, p: usize) -> [f32; PAIR] {
-        core::array::from_fn(|k| f32::from_bits(self.0[PAIR * p + k]))
+        core::array::from_fn(|k| self.0[PAIR * p + k])
     }
 
     #[inline(always)]

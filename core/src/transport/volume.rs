@@ -1,0 +1,717 @@
+//! Path tracing through participating media: the path tracer of [`super::path`], with flights that may end in a medium and boundaries that are no surfaces.
+//!
+//! Along each ray a distance is drawn by the medium that the ray is in ([`crate::medium::flight`]); emission of the medium is added in closed form over what the ray could fly. At a collision one light is
+//! sampled, and one direction by the phase function; both find surface lights and are combined by the power heuristic over solid angles. Null boundaries are crossed straight on:
+//! they are no vertices, count no edges, and a direction keeps its density beyond them. Connections to lights cross them too, with the product of the transmittances on the way.
+//! Unbiased up to `max_depth`.
+
+use super::back::{BlockSum, NO_RAY, camera_ray, emission, roulette, white_surface};
+use super::{Answer, Query, Surface, ask, mis, surface_at};
+use crate::bsdf::{BsdfSample, Interface};
+use crate::geometry::{Hit, Intersector, Ray, SurfacePoint, offset_origin};
+use crate::light;
+use crate::math::{self, PI, Vec3};
+use crate::medium::{Inside, Medium, flight, phase};
+use crate::sampling::sobol::BlockSampler;
+use crate::scene::{CompiledScene, material_flags};
+use alloc::vec::Vec;
+
+/// Groups of sample dimensions of an event (a scattering, or a boundary that is crossed): the flight, the light, the direction.
+const GROUPS: u32 = 3;
+/// Most boundaries that are crossed on one straight way: what would go on for ever between coincident ones ends.
+const CROSSINGS_MAX: u32 = 1 << 12;
+
+/// Most surfaces that are told apart where they lie upon each other.
+const TOGETHER_MAX: usize = 8;
+
+/// The volumetric path tracer for one scene, with the code that it needs (see [`super::TransportCode`]).
+#[derive(Clone, Copy, Debug)]
+pub struct VolumeTracer<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
+    scene: &'a CompiledScene,
+    max_depth: u32,
+    /// What the camera stands in.
+    camera: Inside,
+}
+
+/// One path between two rays.
+#[derive(Clone, Copy, Debug)]
+pub struct VolumeState {
+    sampler: BlockSampler,
+    /// What the sample measures so far.
+    radiance: Vec3,
+    /// Product of f cos / pdf along the path.
+    throughput: Vec3,
+    /// The ray to follow after a connection; of no direction when the path ends there.
+    next: Ray,
+    /// The ray that is being traced for its hit.
+    ray: Ray,
+    /// The media that it starts in.
+    inside: Inside,
+    /// The connection that is being traced.
+    connection: Connection,
+    /// A connection is being traced, and not the path's own ray.
+    connecting: bool,
+    /// Density per solid angle of the last scattered direction; 0 where only scattering can find lights.
+    pdf: f32,
+    /// Where the last direction was scattered, and what has been flown since \[m\].
+    vertex: Vec3,
+    flown: f32,
+    /// Boundaries crossed since.
+    crossed: u32,
+    /// What lies between the surface that `ray` leaves and where it starts \[m\].
+    lead: f32,
+    /// Edges of the path up to and including `ray`.
+    depth: u32,
+    /// Scatterings and crossings so far: names the samples.
+    event: u32,
+    /// The channel of a path that was refracted by its colour.
+    channel: Option<u8>,
+}
+
+/// A straight way to a light.
+#[derive(Clone, Copy, Debug)]
+struct Connection {
+    ray: Ray,
+    /// What lies between the surface that the ray leaves and where it starts, and from that surface to the light \[m\].
+    lead: f32,
+    left: f32,
+    inside: Inside,
+    /// What it brings if the rest of the way is free and clear.
+    carried: Vec3,
+    /// Boundaries on the way so far.
+    crossed: u32,
+}
+
+/// Length of way through the step that a ray takes off a surface \[m\]: a medium is there too. At grazing directions, below a cosine of a tenth, it is less than that.
+#[inline(always)]
+fn lead(surface: &Surface, origin: Vec3, direction: Vec3) -> f32 {
+    let step = math::sqrt((origin - surface.point.position).length_squared());
+    step / math::max(math::abs(direction.dot(surface.geometric)), 0.1)
+}
+
+/// The same way, its parameter in metres.
+#[inline(always)]
+fn with_unit_direction(ray: Ray) -> Ray {
+    if ray.t_max == f32::MAX {
+        return ray;
+    }
+    let length = math::sqrt(ray.direction.dot(ray.direction));
+    if length > 0.0 {
+        Ray { direction: ray.direction / length, t_max: ray.t_max * length, ..ray }
+    } else {
+        NO_RAY
+    }
+}
+
+/// Where light is scattered.
+enum Vertex<'a> {
+    Surface(&'a Surface),
+    Medium { position: Vec3, wo: Vec3, g: f32 },
+}
+
+impl Vertex<'_> {
+    #[inline(always)]
+    fn position(&self) -> Vec3 {
+        match self {
+            Self::Surface(s) => s.point.position,
+            Self::Medium { position, .. } => *position,
+        }
+    }
+
+    /// f cos, or the phase function, and the density of a direction.
+    #[inline(always)]
+    fn scattering<const SHADING: bool>(&self, wi: Vec3) -> (Vec3, f32) {
+        match self {
+            Self::Surface(s) => {
+                if wi.dot(s.geometric) <= 0.0 {
+                    return (Vec3::ZERO, 0.0);
+                }
+                let cos = wi.dot(s.shading).max(0.0);
+                (s.lobes.eval(s.shading, s.wo, wi) * cos, s.lobes.pdf_solid_angle(s.shading, s.wo, wi))
+            }
+            Self::Medium { wo, g, .. } => {
+                let p = phase::eval(*g, *wo, wi);
+                (Vec3::splat(p), p)
+            }
+        }
+    }
+
+    /// A direction.
+    #[inline(always)]
+    fn sample<const SHADING: bool>(&self, u: [f32; 2], lobe: f32) -> Option<BsdfSample> {
+        match self {
+            Self::Surface(s) => {
+                let found = s.lobes.sample(s.shading, s.wo, u, lobe)?;
+                // An interpolated normal can send light through the surface; such directions carry nothing.
+                (!SHADING || found.wi.dot(s.geometric) > 0.0).then_some(found)
+            }
+            Self::Medium { wo, g, .. } => {
+                let wi = phase::sample(*g, *wo, u);
+                Some(BsdfSample { wi, weight: Vec3::ONE, pdf: phase::eval(*g, *wo, wi) })
+            }
+        }
+    }
+
+    /// Start of a ray into a direction.
+    #[inline(always)]
+    fn leave(&self, wi: Vec3) -> Vec3 {
+        match self {
+            Self::Surface(s) => s.leave(wi),
+            Self::Medium { position, .. } => *position,
+        }
+    }
+
+    /// What lies between the vertex and the start of a ray from it \[m\].
+    #[inline(always)]
+    fn lead(&self, origin: Vec3, wi: Vec3) -> f32 {
+        match self {
+            Self::Surface(s) => lead(s, origin, wi),
+            Self::Medium { .. } => 0.0,
+        }
+    }
+
+    /// The ray to a place on a light.
+    #[inline(always)]
+    fn towards(&self, sample: &light::LightSample) -> Ray {
+        match self {
+            Self::Surface(s) => light::shadow_ray(sample, &s.point, s.geometric),
+            Self::Medium { position, .. } => {
+                let point = SurfacePoint { position: *position, extent: 0.0 };
+                light::shadow_ray(sample, &point, Vec3::ZERO)
+            }
+        }
+    }
+
+    /// Light sampling can contribute.
+    #[inline(always)]
+    fn has_density(&self) -> bool {
+        match self {
+            Self::Surface(s) => s.lobes.has_density(),
+            Self::Medium { .. } => true,
+        }
+    }
+}
+
+impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
+    VolumeTracer<'a, LOBES, TEXTURES, SHADING>
+{
+    /// A tracer of paths with at most `max_depth` edges; `camera`: what the camera stands in.
+    pub fn new(scene: &'a CompiledScene, max_depth: u32, camera: Inside) -> Self {
+        Self { scene, max_depth, camera }
+    }
+
+    /// Starts a camera path through pixel (x, y). Without a camera the path is done at once.
+    #[inline(always)]
+    pub fn start_camera(&self, x: u32, y: u32, sampler: BlockSampler) -> (VolumeState, Query) {
+        let mut state = VolumeState::new(sampler, self.camera);
+        let Some(camera) = &self.scene.camera else { return (state, Query::Done) };
+        state.ray = camera_ray(camera, x, y, &sampler);
+        state.vertex = state.ray.origin;
+        state.depth = 1;
+        let query = if self.max_depth >= 1 { Query::Closest(state.ray) } else { Query::Done };
+        (state, query)
+    }
+
+    /// Starts a path that measures the irradiance \[W/m^2\] at a point with unit normal `n` that lies in these media; see [`super::path::PathTracer::start_probe`].
+    #[inline(always)]
+    pub fn start_probe(
+        &self,
+        (point, n): (SurfacePoint, Vec3),
+        inside: Inside,
+        sampler: BlockSampler,
+    ) -> (VolumeState, Query) {
+        let mut state = VolumeState::new(sampler, inside);
+        state.throughput = Vec3::splat(PI);
+        let surface = white_surface(point, n);
+        let query = if self.max_depth >= 1 {
+            self.scatter(&mut state, &Vertex::Surface(&surface))
+        } else {
+            Query::Done
+        };
+        (state, query)
+    }
+
+    /// Takes the answer to the last query and says what is asked next.
+    #[inline(always)]
+    pub fn advance(&self, state: &mut VolumeState, answer: Answer) -> Query {
+        match answer {
+            Answer::Closest(hit) if state.connecting => self.connect(state, hit),
+            Answer::Closest(hit) => self.arrive(state, hit),
+            // Shadow rays are not asked for: something in the way may be a boundary.
+            Answer::Occluded(_) => Query::Done,
+        }
+    }
+
+    /// The path's ray has reached a surface, or nothing.
+    #[inline(always)]
+    fn arrive(&self, state: &mut VolumeState, hit: Option<Hit>) -> Query {
+        let limit = hit.map_or(f32::INFINITY, |h| state.lead + h.t);
+        if let Some(medium) = state.inside.current(self.scene).map(Medium::new) {
+            state.radiance += state.throughput * flight::emitted(medium.emission, medium.sigma_t, limit);
+            let [channel, length] = state.sampler.group2(1 + GROUPS * state.event);
+            let flown = flight::sample(medium.sigma_t, state.throughput, limit, [channel, length]);
+            state.throughput *= flown.weight;
+            if flown.collided {
+                state.throughput *= medium.sigma_s;
+                if state.throughput == Vec3::ZERO || state.depth >= self.max_depth {
+                    return Query::Done;
+                }
+                let position = state.ray.origin + state.ray.direction * (flown.length - state.lead);
+                let vertex = Vertex::Medium { position, wo: -state.ray.direction, g: medium.g };
+                return self.scatter(state, &vertex);
+            }
+            if state.throughput == Vec3::ZERO {
+                return Query::Done;
+            }
+        }
+        let Some(hit) = hit else {
+            state.radiance += state.throughput * Vec3::from_array(self.scene.environment);
+            return Query::Done;
+        };
+        let (hit, beyond) = self.resolve(&state.ray, hit, state.inside);
+        let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &state.ray, &hit) else {
+            return Query::Done;
+        };
+        if self.flags(&hit) & material_flags::NULL != 0 {
+            return self.pass(state, &surface, (hit.t, beyond));
+        }
+        let (met, weight) =
+            emission(self.scene, &surface, (&state.ray, state.flown + hit.t), (state.vertex, state.pdf), 1.0);
+        state.radiance += state.throughput * met * weight;
+        if LOBES && surface.interface != Interface::Opaque {
+            return self.meet_interface(state, &surface, (hit.t, beyond));
+        }
+        if state.depth >= self.max_depth {
+            return Query::Done;
+        }
+        self.scatter(state, &Vertex::Surface(&surface))
+    }
+
+    /// Straight on, beyond a boundary: the same edge, and a direction of the same density.
+    #[inline(always)]
+    fn pass(&self, state: &mut VolumeState, surface: &Surface, (t, beyond): (f32, Inside)) -> Query {
+        state.inside = beyond;
+        state.flown += t;
+        state.event += 1;
+        state.crossed += 1;
+        if state.crossed > CROSSINGS_MAX {
+            return Query::Done;
+        }
+        state.ray.origin = surface.leave(state.ray.direction);
+        state.lead = lead(surface, state.ray.origin, state.ray.direction);
+        Query::Closest(state.ray)
+    }
+
+    /// Reflected at a dielectric or a pane, or on through it.
+    #[inline]
+    fn meet_interface(&self, state: &mut VolumeState, surface: &Surface, behind: (f32, Inside)) -> Query {
+        let groups = 1 + GROUPS * state.event;
+        let [choice, colour, _, survive] = state.sampler.group4(groups + 2);
+        let mut channel = state.channel;
+        if channel.is_none() && surface.interface.disperses() {
+            // From here on the path is of one colour, which stands for all three.
+            let chosen = ((3.0 * colour) as usize).min(2);
+            channel = Some(chosen as u8);
+            let kept = 3.0 * state.throughput[chosen];
+            state.throughput = Vec3::ZERO;
+            state.throughput[chosen] = kept;
+        }
+        state.channel = channel;
+        let channel = usize::from(channel.unwrap_or(0));
+        let Some(passage) = surface.interface.pass(surface.shading, surface.wo, channel, choice) else {
+            return Query::Done;
+        };
+        // An interpolated normal can send light to the wrong side.
+        if SHADING && (passage.wi.dot(surface.geometric) < 0.0) != passage.through {
+            return Query::Done;
+        }
+        if passage.through && matches!(surface.interface, Interface::Pane { .. }) {
+            state.throughput *= passage.weight;
+            return if state.throughput == Vec3::ZERO {
+                Query::Done
+            } else {
+                self.pass(state, surface, behind)
+            };
+        }
+        if state.depth >= self.max_depth {
+            return Query::Done;
+        }
+        // The roulette is about what is absorbed: the squared index comes back when light leaves.
+        let absorbed = if passage.through { Vec3::ONE } else { passage.weight };
+        let Some(throughput) = roulette(state.throughput, absorbed, state.depth, survive) else {
+            return Query::Done;
+        };
+        state.throughput = if passage.through { throughput * passage.weight } else { throughput };
+        if passage.through {
+            state.inside = behind.1;
+        }
+        state.pdf = 0.0;
+        state.vertex = surface.leave(passage.wi);
+        state.lead = lead(surface, state.vertex, passage.wi);
+        (state.flown, state.crossed) = (0.0, 0);
+        state.event += 1;
+        state.next = Ray { origin: state.vertex, direction: passage.wi, t_max: f32::MAX };
+        state.follow()
+    }
+
+    #[inline(always)]
+    fn flags(&self, hit: &Hit) -> u32 {
+        self.scene.material_of(hit.primitive).flags
+    }
+
+    /// What a straight way goes through here, and the media beyond it.
+    ///
+    /// A ray leaves a surface from a place a little beyond it, and would miss what lies just there: the face of the next volume, or a wall that volume fills a room up to. So all that lies within that
+    /// step counts: media of all boundaries are crossed, and a surface among them is what is met.
+    #[inline(always)]
+    fn resolve(&self, ray: &Ray, hit: Hit, inside: Inside) -> (Hit, Inside) {
+        let media = self.scene.surfaces.get(hit.primitive as usize).map_or(0, |s| s.media);
+        if media == 0 && self.flags(&hit) & material_flags::PASSES == 0 {
+            return (hit, inside);
+        }
+        self.resolve_boundary(ray, hit, inside)
+    }
+
+    fn resolve_boundary(&self, ray: &Ray, hit: Hit, inside: Inside) -> (Hit, Inside) {
+        let here = Here::new(self.scene, ray, hit, self.flags(&hit) & material_flags::PASSES != 0);
+        (here.met, here.crossed().iter().fold(inside, |inside, c| inside.across(c.media, c.from_front)))
+    }
+
+    /// Samples a light and a direction at a vertex.
+    #[inline(always)]
+    fn scatter(&self, state: &mut VolumeState, vertex: &Vertex<'_>) -> Query {
+        let groups = 1 + GROUPS * state.event;
+        let connection = self.sample_light(state, vertex, groups + 1);
+        state.next = NO_RAY;
+        let [u, v, lobe, survive] = state.sampler.group4(groups + 2);
+        if let Some(s) = vertex.sample::<SHADING>([u, v], lobe)
+            && let Some(throughput) = roulette(state.throughput, s.weight, state.depth, survive)
+        {
+            state.throughput = throughput;
+            state.pdf = s.pdf;
+            state.vertex = vertex.leave(s.wi);
+            state.lead = vertex.lead(state.vertex, s.wi);
+            (state.flown, state.crossed) = (0.0, 0);
+            state.next = Ray { origin: state.vertex, direction: s.wi, t_max: f32::MAX };
+        }
+        state.event += 1;
+        match connection {
+            Some(connection) => {
+                state.connection = connection;
+                state.connecting = true;
+                Query::Closest(connection.ray)
+            }
+            None => state.follow(),
+        }
+    }
+
+    /// Light sampling: the way to the light, with what it brings.
+    #[inline(always)]
+    fn sample_light(&self, state: &VolumeState, vertex: &Vertex<'_>, group: u32) -> Option<Connection> {
+        let scene = self.scene;
+        if scene.lights.is_empty() || !vertex.has_density() {
+            return None;
+        }
+        let [pick, u, v, _] = state.sampler.bits4(group);
+        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
+        let s = light::sample_lights(&scene.lights, &scene.light_cumulative, vertex.position(), pick, u)?;
+        let (f, other) = vertex.scattering::<SHADING>(s.wi);
+        let mut carried = state.throughput * f * s.contribution;
+        if s.pdf > 0.0 {
+            carried *= mis::power_heuristic(s.pdf, other);
+        }
+        if carried == Vec3::ZERO {
+            return None;
+        }
+        let ray = with_unit_direction(vertex.towards(&s));
+        let left = if s.distant {
+            f32::INFINITY
+        } else {
+            math::sqrt((s.point - vertex.position()).length_squared())
+        };
+        let lead = vertex.lead(ray.origin, ray.direction);
+        Some(Connection { ray, lead, left, inside: state.inside, carried, crossed: 0 })
+    }
+
+    /// A connection has reached a surface, or its end.
+    #[inline(always)]
+    fn connect(&self, state: &mut VolumeState, hit: Option<Hit>) -> Query {
+        let Connection { ray, lead: before, left, inside, carried, crossed } = state.connection;
+        let length = hit.map_or(left, |h| before + h.t);
+        let mut carried = carried;
+        if let Some(medium) = inside.current(self.scene).map(Medium::new) {
+            carried *= flight::transmittance(medium.sigma_t, length);
+        }
+        let Some(hit) = hit else {
+            state.radiance += carried;
+            return state.follow();
+        };
+        if carried == Vec3::ZERO || self.flags(&hit) & material_flags::PASSES == 0 || crossed >= CROSSINGS_MAX
+        {
+            return state.follow();
+        }
+        let (hit, beyond) = self.resolve(&ray, hit, inside);
+        if self.flags(&hit) & material_flags::PASSES == 0 {
+            return state.follow();
+        }
+        let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &ray, &hit) else {
+            return state.follow();
+        };
+        if let Interface::Pane { transmit, .. } = surface.interface {
+            carried *= transmit;
+        }
+        let origin = offset_origin(&surface.point, surface.geometric, ray.direction);
+        // The way ends where it ended before.
+        let t_max = if ray.t_max < f32::MAX {
+            ray.t_max - (origin - ray.origin).dot(ray.direction)
+        } else {
+            ray.t_max
+        };
+        let ray = Ray { origin, t_max, ..ray };
+        state.connection = Connection {
+            ray,
+            lead: lead(&surface, origin, ray.direction),
+            left: math::max(left - length, 0.0),
+            inside: beyond,
+            carried,
+            crossed: crossed + 1,
+        };
+        Query::Closest(ray)
+    }
+
+    /// Runs one path to its end; returns what it measures and the number of rays it took.
+    #[inline(always)]
+    pub fn run<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        (mut state, mut query): (VolumeState, Query),
+    ) -> (Vec3, u32) {
+        let mut rays = 0;
+        while let Some(answer) = ask(intersector, &query) {
+            rays += 1;
+            query = self.advance(&mut state, answer);
+        }
+        (state.radiance, rays)
+    }
+
+    /// Mean of one block of camera paths through a pixel, summed in the order of the samples; and the rays it took.
+    #[inline(always)]
+    pub fn pixel_block<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        [x, y]: [u32; 2],
+        seed: u64,
+        block: u32,
+        block_length: u32,
+    ) -> ([f64; 3], u64) {
+        let width = self.scene.camera.map_or(0, |c| c.width);
+        let stream = y.wrapping_mul(width).wrapping_add(x);
+        let mut sum = BlockSum::default();
+        for i in 0..block_length {
+            let start = self.start_camera(x, y, BlockSampler::new(seed, stream, block, i));
+            sum.add(self.run(intersector, start));
+        }
+        sum.mean(block_length)
+    }
+
+    /// Mean of one block of paths from a probe in these media; and the rays it took.
+    #[inline(always)]
+    pub fn probe_block<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        (index, point, inside): (u32, (SurfacePoint, Vec3), Inside),
+        seed: u64,
+        block: u32,
+        block_length: u32,
+    ) -> ([f64; 3], u64) {
+        let mut sum = BlockSum::default();
+        for i in 0..block_length {
+            let start = self.start_probe(point, inside, BlockSampler::new(seed, index, block, i));
+            sum.add(self.run(intersector, start));
+        }
+        sum.mean(block_length)
+    }
+}
+
+impl VolumeState {
+    fn new(sampler: BlockSampler, inside: Inside) -> Self {
+        Self {
+            sampler,
+            radiance: Vec3::ZERO,
+            throughput: Vec3::ONE,
+            next: NO_RAY,
+            ray: NO_RAY,
+            inside,
+            connection: Connection {
+                ray: NO_RAY,
+                lead: 0.0,
+                left: 0.0,
+                inside: Inside::NOTHING,
+                carried: Vec3::ZERO,
+                crossed: 0,
+            },
+            crossed: 0,
+            connecting: false,
+            pdf: 0.0,
+            vertex: Vec3::ZERO,
+            flown: 0.0,
+            lead: 0.0,
+            depth: 0,
+            event: 0,
+            channel: None,
+        }
+    }
+
+    #[inline(always)]
+    fn follow(&mut self) -> Query {
+        self.connecting = false;
+        if self.next.direction == Vec3::ZERO {
+            return Query::Done;
+        }
+        self.ray = self.next;
+        self.depth += 1;
+        Query::Closest(self.ray)
+    }
+}
+
+/// A boundary that a ray crosses.
+#[derive(Clone, Copy, Debug)]
+struct Crossed {
+    primitive: u32,
+    media: u32,
+    from_front: bool,
+}
+
+/// All that a ray meets within the step that it takes off a surface.
+struct Here {
+    /// A surface before a film, a film before a boundary.
+    met: Hit,
+    crossed: [Crossed; TOGETHER_MAX],
+    count: usize,
+}
+
+impl Here {
+    /// At a hit; what lies with it is looked for where `together`.
+    fn new(scene: &CompiledScene, ray: &Ray, hit: Hit, together: bool) -> Self {
+        let crossed = |hit: &Hit| {
+            let surface = surface_at::<false, false, false>(scene, ray, hit)?;
+            let media = scene.surfaces.get(hit.primitive as usize).map_or(0, |s| s.media);
+            Some((surface, Crossed { primitive: hit.primitive, media, from_front: surface.from_front }))
+        };
+        let nothing = Crossed { primitive: hit.primitive, media: 0, from_front: true };
+        let mut here = Self { met: hit, crossed: [nothing; TOGETHER_MAX], count: 0 };
+        let Some((surface, first)) = crossed(&hit) else { return here };
+        (here.crossed[0], here.count) = (first, 1);
+        if !together || scene.crossings.is_empty() {
+            return here;
+        }
+        // Surfaces before films, films before boundaries.
+        let rank = |primitive: u32| match scene.material_of(primitive).flags {
+            f if f & material_flags::NULL != 0 => 0,
+            f if f & material_flags::THIN != 0 => 1,
+            _ => 2,
+        };
+        let (near, far) = (surface.leave(-ray.direction), surface.leave(ray.direction));
+        let gap = Ray { origin: near, direction: far - near, t_max: 1.0 };
+        scene.crossings.all_hits(&scene.primitives(), &gap, |other| {
+            let other = Hit { t: hit.t, ..other };
+            if other.primitive == hit.primitive || here.count >= TOGETHER_MAX {
+                return;
+            }
+            if rank(other.primitive) > rank(here.met.primitive) {
+                here.met = other;
+            }
+            let Some((_, new)) = crossed(&other) else { return };
+            // Neighbours at an edge of one boundary are one crossing.
+            let same = |c: &Crossed| {
+                c.from_front == new.from_front
+                    && c.media == new.media
+                    && share_a_corner(scene, c.primitive, new.primitive)
+            };
+            if !here.crossed().iter().any(same) {
+                here.crossed[here.count] = new;
+                here.count += 1;
+            }
+        });
+        here
+    }
+
+    fn crossed(&self) -> &[Crossed] {
+        &self.crossed[..self.count]
+    }
+}
+
+/// Triangles that have a corner in common.
+fn share_a_corner(scene: &CompiledScene, a: u32, b: u32) -> bool {
+    let primitives = scene.primitives();
+    match (primitives.vertices(a), primitives.vertices(b)) {
+        (Some(a), Some(b)) => a.iter().any(|p| b.contains(p)),
+        _ => false,
+    }
+}
+
+/// What is around a scene, and what its camera stands in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Surroundings {
+    /// What lies beyond all boundaries: the medium that the camera is said to stand in, where no boundary holds it.
+    pub outside: Inside,
+    /// What the camera stands in.
+    pub camera: Inside,
+}
+
+impl Surroundings {
+    /// Of a scene.
+    pub fn of<I: Intersector + ?Sized>(scene: &CompiledScene, intersector: &I) -> Self {
+        let Some(camera) = &scene.camera else { return Self::default() };
+        let found = inside_at(scene, intersector, Inside::NOTHING, Vec3::from_array(camera.position));
+        let said = Inside::of(scene.camera_medium);
+        if said.is_nothing() {
+            return Self { outside: Inside::NOTHING, camera: found };
+        }
+        if found.is_nothing() {
+            return Self { outside: said, camera: said };
+        }
+        let agree = found.current(scene) == said.current(scene);
+        Self { outside: Inside::NOTHING, camera: if agree { found } else { said } }
+    }
+}
+
+/// The media in front of a probe; `outside` as in [`Surroundings`].
+pub fn inside_of_probe<I: Intersector + ?Sized>(
+    scene: &CompiledScene,
+    intersector: &I,
+    outside: Inside,
+    (point, n): &(SurfacePoint, Vec3),
+) -> Inside {
+    inside_at(scene, intersector, outside, offset_origin(point, *n, *n))
+}
+
+/// The media that a point lies in, found by the boundaries on a way out of the scene: what surfaces say of their sides, and what is outside.
+pub fn inside_at<I: Intersector + ?Sized>(
+    scene: &CompiledScene,
+    intersector: &I,
+    outside: Inside,
+    point: Vec3,
+) -> Inside {
+    // A direction that scenes do not have: along no axis and no diagonal.
+    let direction = math::normalize_or(Vec3::new(0.352_71, 0.803_11, -0.480_17), Vec3::Y);
+    let mut ray = Ray { origin: point, direction, t_max: f32::MAX };
+    let mut crossed: Vec<Crossed> = Vec::new();
+    for _ in 0..CROSSINGS_MAX {
+        let Some(hit) = intersector.closest_hit(&ray) else { break };
+        let Some(surface) = surface_at::<false, false, false>(scene, &ray, &hit) else { break };
+        let here = Here::new(scene, &ray, hit, true);
+        crossed.extend_from_slice(here.crossed());
+        ray.origin = surface.leave(direction);
+    }
+    crossed.iter().rev().fold(outside, |inside, c| inside.across(c.media, !c.from_front))
+}
+
+/// Runs `$body` with `$tracer` bound to the volumetric path tracer that has just the code that `$code` names.
+#[macro_export]
+macro_rules! with_volume_tracer {
+    ($code:expr, ($scene:expr, $max_depth:expr, $camera:expr), |$tracer:ident| $body:expr) => {{
+        use $crate::transport::volume::VolumeTracer;
+        $crate::with_transport_code!($code, |$tracer = VolumeTracer($scene, $max_depth, $camera)| $body)
+    }};
+}
