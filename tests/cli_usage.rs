@@ -188,16 +188,28 @@ fn an_image_needs_a_camera_and_probes_do_not() {
     assert_eq!(folder.names(), ["floor.toml", "out.json", "points.json"]);
 }
 
+/// Fog of a grid, which this version does not render.
+fn smoke() -> String {
+    FOG.replacen("sigma_a", "density = \"smoke.vol\"\nsigma_a", 1)
+}
+
 #[test]
-fn fog_is_refused_with_a_sentence() {
+fn fog_is_rendered_and_a_grid_of_it_refused_with_a_sentence() {
     let folder = Folder::new();
-    let scene = folder.write("fog.toml", FOG);
+    let fog = folder.write("fog.toml", FOG);
+    let (exr, few) = (folder.arg("fog.exr"), ["--samples", "16"]);
+    run(&[&["render", &fog, "-o", &exr][..], &few].concat()).exits(0);
+    assert_eq!(run(&["info", &fog, "--json"]).exits(0).json()["methods"], serde_json::json!(["path"]));
+    std::fs::remove_file(&exr).unwrap();
+    std::fs::remove_file(&fog).unwrap();
+
+    let scene = folder.write("fog.toml", &smoke());
     let points = folder.write("points.json", POINTS);
-    let words = ["participating media", "method `path`"];
+    let words = ["density = \"smoke.vol\"", "method `path`"];
     run(&["render", &scene, "-o", &folder.arg("out.exr")]).exits(3).says(&words);
     run(&["probe", &scene, "--points", &points, "-o", &folder.arg("out.json")]).exits(3).says(&words);
     let info = run(&["info", &scene]).exits(0);
-    assert!(info.stdout.contains("participating media"), "{}", info.stdout);
+    assert!(info.stdout.contains("density = \"smoke.vol\""), "{}", info.stdout);
     assert_eq!(run(&["info", &scene, "--json"]).exits(0).json()["methods"], serde_json::json!([]));
     assert_eq!(folder.names(), ["fog.toml", "points.json"]);
 }
@@ -250,7 +262,7 @@ fn a_failing_run_leaves_what_was_there() {
     let folder = Folder::new();
     let good = "a good result of yesterday";
     let (exr, json) = (folder.write("out.exr", good), folder.write("out.json", good));
-    let scene = folder.write("fog.toml", FOG);
+    let scene = folder.write("fog.toml", &smoke());
     let points = folder.write("points.json", POINTS);
     run(&["render", &scene, "-o", &exr]).exits(3);
     run(&["render", "nowhere.toml", "-o", &exr]).exits(3);

@@ -281,7 +281,11 @@ fn materials_follow_the_mode() {
     assert!(
         matches!(kind("Kd 0.1 0 0\nKs 0.5 0.5 0.5\nillum 3\n"), MaterialKind::Mirror { albedo } if albedo.color == [0.5; 3])
     );
-    assert_eq!(kind("Kd 0.1 0 0\nillum 7\nNi 1.5\n"), MaterialKind::Unsupported("dielectric".into()));
+    let glass = |n: f32| MaterialKind::Dielectric { ior: [n; 3], schlick: false };
+    assert_eq!(kind("Kd 0.1 0 0\nillum 7\nNi 1.33\n"), glass(1.33));
+    for wrong in ["", "Ni 0\n", "Ni -1\n", "Ni 1e9\n"] {
+        assert_eq!(kind(&format!("Kd 0.1 0 0\nillum 4\n{wrong}")), glass(1.5), "{wrong}");
+    }
     assert_eq!(
         kind("Kd 0 0 0\nKs 0.5 0.5 0.5\nNs 9\n"),
         MaterialKind::Phong { specular: [0.5; 3], exponent: 9.0 }

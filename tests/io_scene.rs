@@ -162,12 +162,28 @@ reflect = [0.1, 0.1, 0.1]
 transmit = [0.5, 0.5, 0.5]
 scatter = true
 
+[[material]]
+name = "filter"
+kind = "thin_film"
+transmit = [0.5, 0.25, 0.5]
+
+[[material]]
+name = "pane"
+kind = "thin_dielectric"
+fresnel = "schlick"
+
+[[material]]
+name = "prism"
+kind = "dielectric"
+ior = [1.510, 1.514, 1.521]
+
 [[medium]]
 name = "fog"
 sigma_a = [0.1, 0.1, 0.1]
 sigma_s = [1, 1, 1]
 g = 0.5
 emission = [0, 0, 0]
+priority = -2
 
 [[medium]]
 name = "smoke"
@@ -219,8 +235,15 @@ fn everything_in_the_interface_parses() {
     };
     assert_eq!(unsupported("glass"), "dielectric");
     assert_eq!(unsupported("checked"), "checker");
-    assert_eq!(unsupported("gold"), "conductor");
-    assert_eq!(unsupported("film"), "thin_film");
+    assert_eq!(unsupported("film"), "thin_film, scatter = true");
+    let (eta, k) = ([0.2, 0.4, 1.3], [3.9, 2.4, 1.8]);
+    assert_eq!(material("gold").kind, MaterialKind::Conductor { eta, k });
+    let (reflect, transmit) = ([0.0; 3], [0.5, 0.25, 0.5]);
+    assert_eq!(material("filter").kind, MaterialKind::ThinFilm { reflect, transmit });
+    assert_eq!(material("pane").kind, MaterialKind::ThinDielectric { ior: [1.5; 3], schlick: true });
+    let ior = [1.510, 1.514, 1.521];
+    assert_eq!(material("prism").kind, MaterialKind::Dielectric { ior, schlick: false });
+    assert_eq!((d.media[0].priority, d.media[1].priority), (-2, 0));
     assert_eq!(d.media[1].unsupported, "density = \"smoke.vol\"");
     assert!(d.media[0].unsupported.is_empty());
     assert_eq!(d.textures.len(), 1, "one bitmap however many materials name it");

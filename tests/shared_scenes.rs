@@ -362,6 +362,19 @@ fn shared_full_closed_cornell_area() {
     assert!(metrics.rel_mse <= 1e-3, "{}", metrics.rel_mse);
 }
 
+/// Fog behind a null boundary, lamp and eye outside it; the reference has 256 samples per pixel and no variance.
+#[test]
+fn shared_closed_cornell_fog() {
+    closed_cornell("fog", 17.0, 64);
+}
+
+#[test]
+#[ignore = "minutes: ETENDUE_SCENES=../shared/scenes cargo nextest run -p etendue -E 'test(shared_full_closed_cornell_fog)' --run-ignored only"]
+fn shared_full_closed_cornell_fog() {
+    let Some(metrics) = closed_cornell("fog", 17.0, 512) else { return };
+    assert!((metrics.block_ratio[1] - 1.0).abs() <= 0.002, "{:?}", metrics.block_ratio);
+}
+
 #[test]
 fn shared_closed_cornell_point() {
     closed_cornell("point", f32::INFINITY, 64);

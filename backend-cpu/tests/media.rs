@@ -4,9 +4,10 @@
 
 use etendue_core::backend::{NoControl, PathJob, Probe, Session, image_film_settings, probe_film_settings};
 use etendue_core::film::Film;
+use etendue_core::sampling::counter::Counter;
 use etendue_core::scene::{
-    CameraDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, Reflectance, SceneDesc, ShapeDesc,
-    ShapeKind, compile,
+    CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, Reflectance, SceneDesc,
+    ShapeDesc, ShapeKind, compile,
 };
 use etendue_cpu::{CpuBackend, CpuSession};
 use std::sync::Arc;
@@ -258,4 +259,74 @@ fn any_number_of_threads_gives_the_same_bits() {
     let one = run(1, &[0..4]);
     assert_eq!(one, run(2, &[0..4]));
     assert_eq!(one, run(5, &[2..4, 0..2]));
+}
+
+/// Whatever lies in whatever, with media of any strength: numbers come out, and come out soon.
+#[test]
+fn soups_of_media_give_numbers() {
+    let numbers = Counter::new(77);
+    for seed in 0..150 {
+        let mut at = 0;
+        let mut unit = || {
+            at += 1;
+            numbers.unit(seed, at, 0)
+        };
+        let kinds = [
+            MaterialKind::Null,
+            MaterialKind::Dielectric { ior: [1.5, 1.4, 1.6], schlick: false },
+            MaterialKind::Dielectric { ior: [0.7; 3], schlick: true },
+            MaterialKind::ThinDielectric { ior: [1.5; 3], schlick: false },
+            MaterialKind::ThinFilm { reflect: [0.3, 0.0, 1.0], transmit: [0.7, 0.0, 0.0] },
+            MaterialKind::Conductor { eta: [0.2, 0.9, 1.1], k: [3.9, 2.4, 2.2] },
+            MaterialKind::Mirror { albedo: Reflectance::flat([1.0; 3]) },
+            MaterialKind::Diffuse { albedo: Reflectance::flat([0.8; 3]) },
+        ];
+        let mut materials: Vec<_> =
+            kinds.into_iter().enumerate().map(|(i, k)| material(&format!("m{i}"), k, 0.0)).collect();
+        materials.push(black("lamp", 3.0));
+        let media: Vec<_> = (0..4)
+            .map(|i| {
+                let mut sigma =
+                    || [0; 3].map(|_| if unit() < 0.3 { 0.0 } else { 10_f32.powf(12.0 * unit() - 6.0) });
+                let (a, s) = (sigma(), sigma());
+                let mut m = medium(&format!("n{i}"), a, s, 1.98 * unit() - 0.99);
+                m.priority = (3.0 * unit()) as i32;
+                m.emission = if unit() < 0.3 { [0.1; 3] } else { [0.0; 3] };
+                m
+            })
+            .collect();
+        // Coordinates of a coarse lattice: faces lie upon each other.
+        let mut lattice = |n: f32| (n * unit()).floor() * 0.5 - 1.0;
+        let shapes = (0..8)
+            .map(|i| {
+                let low = [0; 3].map(|_| lattice(4.0));
+                let size = 0.5 + 0.5 * (lattice(3.0) + 1.0);
+                let kind = if i % 3 == 0 {
+                    ShapeKind::Sphere { center: low, radius: size }
+                } else {
+                    ShapeKind::Box { min: low, max: low.map(|x| x + size) }
+                };
+                let name = |prefix: &str, k: f32, none: usize| {
+                    if k as usize >= none { String::new() } else { format!("{prefix}{}", k as usize) }
+                };
+                ShapeDesc {
+                    kind,
+                    material: if i == 7 { "lamp".into() } else { name("m", 2.0 * (lattice(8.0) + 1.0), 8) },
+                    interior: name("n", 2.0 * (lattice(6.0) + 1.0), 4),
+                    exterior: name("n", 2.0 * (lattice(12.0) + 1.0), 4),
+                }
+            })
+            .collect();
+        let lights = vec![
+            LightDesc::Environment(EnvironmentDesc { radiance: [0.5; 3] }),
+            LightDesc::Point { position: [0.1, 1.3, -0.2], intensity: [1.0; 3] },
+            beam(0.7),
+        ];
+        let desc = SceneDesc { materials, media, shapes, lights, ..SceneDesc::default() };
+        let few = PathJob { seed: 1, block_length: 16, blocks: 0..2, max_depth: u32::MAX };
+        let (mean, stderr) = radiance(&desc, [0.05, 0.3, -4.0], [0.0; 3], "", &few);
+        assert!(mean.iter().chain(&stderr).all(|x| x.is_finite() && *x >= 0.0), "{seed}: {mean:?}");
+        let (mean, _) = irradiance(&desc, [0.0, 0.0, -3.0], [0.0, 0.0, 1.0], &few);
+        assert!(mean.iter().all(|x| x.is_finite() && *x >= 0.0), "{seed}: {mean:?}");
+    }
 }

@@ -12,6 +12,7 @@ mod first_shot;
 mod lights;
 mod linear_triangle;
 mod log_offset;
+mod media;
 mod polynomial;
 mod rays;
 mod subdivide;
@@ -331,6 +332,9 @@ pub fn inputs(kernel: Kernel, count: usize) -> Vec<Batch> {
         | K::EvalLobes
         | K::PdfLobes
         | K::SampleLobes => single(lights::scattering(kernel, count, r)),
+        K::EvalPhase | K::SamplePhase | K::Transmittance | K::FresnelDielectric | K::FresnelConductor => {
+            single(media::items(kernel, count, r))
+        }
         K::SampleLight | K::PdfLight => lights::lights(kernel, count, r),
         K::PowerHeuristic => {
             let mut items = Vec::new();

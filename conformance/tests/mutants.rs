@@ -109,6 +109,22 @@ const KERNEL_MUTANTS: &[Mutant] = &[
     ("a light's density without its pick", Kernel::PdfLight, |constants, _, out| {
         scale(out, 1.0 / float(constants[2]));
     }),
+    ("backward for forward", Kernel::EvalPhase, |_, item, out| {
+        let mut turned = item.to_vec();
+        turned[0] ^= 1 << 31;
+        kernel::evaluate(Kernel::EvalPhase, &[], &turned, out).expect("same lengths");
+    }),
+    ("the phase function about the way back", Kernel::SamplePhase, |_, _, out| {
+        out.iter_mut().for_each(|x| *x ^= 1 << 31);
+    }),
+    ("no absorption", Kernel::Transmittance, |_, _, out| out.fill(1.0_f32.to_bits())),
+    ("Schlick for Fresnel", Kernel::FresnelDielectric, |_, item, out| {
+        let (cos, ratio) = (float(item[0]), float(item[1]));
+        out[0] = etendue_core::bsdf::fresnel::schlick(cos, ratio).to_bits();
+    }),
+    ("k forgotten", Kernel::FresnelConductor, |_, item, out| {
+        kernel::evaluate(Kernel::FresnelConductor, &[], &[item[0], item[1], 0], out).expect("same lengths");
+    }),
     ("the exponent n of Phong's norm instead of n + 1", Kernel::EvalPhong, |_, item, out| {
         let n = float(item[3]);
         scale(out, n / (n + 1.0));

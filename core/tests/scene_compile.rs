@@ -292,6 +292,40 @@ fn needs_name_what_is_used_and_nothing_else() {
 }
 
 #[test]
+fn what_light_passes_is_named_and_checked() {
+    let of = |kind: MaterialKind| {
+        let m = MaterialDesc { kind, ..diffuse("m", 0.0, 0.0) };
+        let mesh = MeshDesc { material: "m".into(), ..triangle() };
+        compile(&SceneDesc { materials: vec![m], ..scene(mesh) }).map(|c| c.0)
+    };
+    let glass = of(MaterialKind::Dielectric { ior: [1.5; 3], schlick: false }).unwrap();
+    assert!(glass.needs.refraction && glass.needs.volume() && glass.needs.lobes() && !glass.needs.panes);
+    assert!(glass.needs.beyond_paths().is_none() && glass.needs.beyond_surfaces().is_some());
+    assert!(glass.crossings.is_empty());
+    for kind in [
+        MaterialKind::ThinDielectric { ior: [1.5; 3], schlick: true },
+        MaterialKind::ThinFilm { reflect: [0.5; 3], transmit: [0.5; 3] },
+        MaterialKind::Null,
+    ] {
+        let thin = of(kind.clone()).unwrap();
+        assert!(!thin.needs.refraction && thin.needs.volume() && !thin.crossings.is_empty(), "{kind:?}");
+    }
+    let metal = of(MaterialKind::Conductor { eta: [0.2; 3], k: [3.0; 3] }).unwrap();
+    assert!(metal.needs.mirrors && metal.needs.beyond_surfaces().is_none());
+    for bad in [
+        MaterialKind::Dielectric { ior: [1.5, 0.0, 1.5], schlick: false },
+        MaterialKind::Dielectric { ior: [f32::NAN; 3], schlick: false },
+        MaterialKind::ThinDielectric { ior: [1e9; 3], schlick: false },
+        MaterialKind::Conductor { eta: [0.0; 3], k: [3.0; 3] },
+        MaterialKind::Conductor { eta: [0.2; 3], k: [-3.0; 3] },
+        MaterialKind::ThinFilm { reflect: [0.5; 3], transmit: [0.6; 3] },
+        MaterialKind::ThinFilm { reflect: [-0.5; 3], transmit: [0.6; 3] },
+    ] {
+        assert!(of(bad.clone()).is_err(), "{bad:?}");
+    }
+}
+
+#[test]
 fn a_mesh_without_textures_gets_plain_colours() {
     let textured = MaterialDesc {
         name: "brick".into(),

@@ -89,7 +89,7 @@ pub(super) struct BakeArgs {
     /// How form factors are stored [default: auto]
     #[arg(long, value_enum)]
     pub codec: Option<CodecName>,
-    /// Error of irradiance, in the root mean square over eight probe lights, that `--codec auto` keeps below [default: 0.01]
+    /// Error of irradiance, in the root mean square over eight probe lights and what the scene emits itself, that `--codec auto` keeps below [default: 0.01]
     #[arg(long, value_name = "E", value_parser = super::args::positive, allow_negative_numbers = true)]
     pub max_error: Option<f64>,
     /// Share of entries, the largest, that `--codec published|bc1|bc4` keep as they are [default: 0.04]

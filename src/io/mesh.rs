@@ -284,7 +284,15 @@ impl<'a> Loader<'a> {
                 let ks = self.reflectance(file, m, "Ks", m.ks.unwrap_or_default());
                 MaterialKind::Mirror { albedo: Reflectance::flat(ks) }
             }
-            (MtlMode::Full, Some(4..=7)) => MaterialKind::Unsupported("dielectric".into()),
+            (MtlMode::Full, Some(4..=7)) => {
+                let ni = m.ni.filter(|n| (1e-3..=1e3).contains(n));
+                if ni.is_none() {
+                    let message =
+                        format!("material {} refracts without a valid Ni: 1.5 is used", quoted(&m.name));
+                    self.note(file, Some(m.line), message);
+                }
+                MaterialKind::Dielectric { ior: [ni.unwrap_or(1.5); 3], schlick: false }
+            }
             (MtlMode::Full, _) => {
                 let mut ks = self.reflectance(file, m, "Ks", m.ks.unwrap_or_default());
                 let mut scaled = false;

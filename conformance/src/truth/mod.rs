@@ -16,6 +16,7 @@ mod geometry;
 mod light;
 mod linear_triangle;
 mod log_offset;
+mod media;
 mod polynomial;
 mod sampling;
 mod subdivide;
@@ -115,6 +116,9 @@ pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> Answer {
         | K::EvalLobes
         | K::PdfLobes
         | K::SampleLobes => bsdf::truth(kernel, &mut r),
+        K::EvalPhase | K::SamplePhase | K::Transmittance | K::FresnelDielectric | K::FresnelConductor => {
+            media::truth(kernel, &mut r)
+        }
         K::SampleLight | K::PdfLight | K::PowerHeuristic | K::CameraRay | K::ToneDisplay => {
             light::truth(kernel, constants, &mut r)
         }

@@ -47,8 +47,15 @@ pub fn conductor(cos: f32, eta: f32, k: f32) -> f32 {
     let cos2 = cos * cos;
     let sin2 = (1.0 - cos) * (1.0 + cos);
     let difference = (eta - k) * (eta + k) - sin2;
-    let a2_b2 = math::sqrt(difference * difference + 4.0 * (eta * k) * (eta * k));
-    let a = math::sqrt_clamped(0.5 * (a2_b2 + difference));
+    let product = eta * k;
+    let a2_b2 = math::sqrt(difference * difference + 4.0 * product * product);
+    // (a2_b2 + difference) / 2, without its cancellation where little is lost in the metal.
+    let a2 = if difference < 0.0 {
+        2.0 * product * product / (a2_b2 - difference)
+    } else {
+        0.5 * (a2_b2 + difference)
+    };
+    let a = math::sqrt_clamped(a2);
     let senkrecht = (a2_b2 + cos2 - 2.0 * a * cos) / (a2_b2 + cos2 + 2.0 * a * cos);
     let (s, t) = (cos2 * a2_b2 + sin2 * sin2, 2.0 * a * cos * sin2);
     let parallel = senkrecht * (s - t) / (s + t);

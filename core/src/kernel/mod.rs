@@ -181,6 +181,17 @@ kernels! {
     /// each), density.
     SampleLobes = "lobes::sample", exact(0, 17, 8);
 
+    /// g, wo, wi (vec3 each) -> density.
+    EvalPhase = "phase::eval", exact(0, 7, 1);
+    /// g, wo (vec3), u (2) -> wi (vec3).
+    SamplePhase = "phase::sample", exact(0, 6, 3);
+    /// sigma_t (vec3), length -> transmittance (vec3).
+    Transmittance = "flight::transmittance", exact(0, 4, 3);
+    /// cosine, ratio of indices -> reflectance.
+    FresnelDielectric = "fresnel::dielectric", exact(0, 2, 1);
+    /// cosine, eta, k -> reflectance.
+    FresnelConductor = "fresnel::conductor", exact(0, 3, 1);
+
     /// `LightRecord` (24 words) | p (vec3), u (2) -> flag, wi, contribution (vec3 each), density, point, normal (vec3
     /// each), extent, distant flag.
     SampleLight = "light::sample", exact(24, 5, 16);

@@ -5,10 +5,12 @@ use etendue_core::backend::Session;
 use etendue_core::radiosity::blocks::{self, Matrix};
 use etendue_core::radiosity::form_factors::FormFactors;
 use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric};
-use etendue_core::radiosity::tiles::{Kind, Rates};
+use etendue_core::radiosity::tiles::{Kind, Rates, SIDE, tile_rows};
 
 /// What a bit may cost in the clusters' inverses, over what it may cost in form factors: what they err by is mended by the passes.
 const COARSE: f64 = 32.0;
+/// What a bit may cost in form factors of patches that emit, over what it may cost in others: a lamp is small and far brighter than what it lights, and its form factors weigh little among all.
+const EMITTERS: f64 = 1.0 / 1024.0;
 /// Steps of the search for the cheapest tiles, and how near to the limit it may end.
 const SEARCH_STEPS: u32 = 9;
 const NEAR: f64 = 0.97;
@@ -134,13 +136,23 @@ impl<'a> TileEncoder<'a> {
     /// The fewest bytes whose error stays below a limit; f32 where nothing in few bits does.
     fn cheapest(&self, max_error: f64) -> Result<Encoded, BakeError> {
         let curves = self.session.rate_curves(&self.symmetric);
+        let mut emits = vec![false; tile_rows(self.symmetric.len())];
+        if let Some([emission, _]) = &self.truth.own {
+            for (i, e) in emission.iter().enumerate() {
+                emits[i / SIDE] |= *e != [0.0; 3];
+            }
+        }
         // The error grows with what a bit may cost; look for the largest cost that is allowed.
         let (mut low, mut high) = (1e-12_f64, 1e-3_f64);
         let mut best = None;
         for _ in 0..SEARCH_STEPS {
             let lambda = (low * high).sqrt();
             let coarse = Rates::Cheapest { lambda: COARSE * lambda };
-            let found = self.make(&|row, column| curves.kind(row, column, lambda), coarse)?;
+            let want = |row: usize, column: usize| {
+                let emits = emits[row] || emits[column];
+                curves.kind(row, column, if emits { EMITTERS * lambda } else { lambda })
+            };
+            let found = self.make(&want, coarse)?;
             let rms = found.error.rms;
             if rms > max_error {
                 high = lambda;

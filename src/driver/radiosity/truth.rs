@@ -116,6 +116,8 @@ pub struct Truth {
     pub lights: Vec<Light>,
     /// Indirect irradiance of each.
     pub exact: Vec<Light>,
+    /// What patches emit themselves, and its indirect irradiance: a light that measures too, the one that the scene comes with. Without emission, nothing.
+    pub own: Option<[Light; 2]>,
     /// The same for lights that weights are found by.
     pub fit: [Vec<Light>; 2],
     /// Bounces that the light is of; `None`: all.
@@ -142,24 +144,29 @@ impl Truth {
             Some(_) => relighter,
         };
         let mut room = Workspace::default();
-        let mut solve = |lights: &[Light]| -> Result<Vec<Light>, BakeError> {
-            let mut all = Vec::new();
-            for direct in lights {
-                let mut indirect = vec![[0.0; 3]; direct.len()];
-                match bounces {
-                    None => {
-                        session.converge(&relighter, (direct, &[]), &mut indirect, STANDS, &mut room)?;
-                    }
-                    Some(k) => session.relight(&relighter, (direct, &[]), &mut indirect, k, &mut room)?,
+        let mut solve = |light: (&[[f32; 3]], &[[f32; 3]])| -> Result<Light, BakeError> {
+            let mut indirect = vec![[0.0; 3]; light.0.len()];
+            match bounces {
+                None => {
+                    session.converge(&relighter, light, &mut indirect, STANDS, &mut room)?;
                 }
-                all.push(indirect);
+                Some(k) => session.relight(&relighter, light, &mut indirect, k, &mut room)?,
             }
-            Ok(all)
+            Ok(indirect)
         };
         let row_sums = form_factors.row_sums();
         let [lights, fit] = [ProbeLights::Measure, ProbeLights::Fit].map(|p| probe_lights(map, &row_sums, p));
-        let (exact, fitted) = (solve(&lights)?, solve(&fit)?);
-        Ok(Self { relighter, lights, exact, fit: [fit, fitted], bounces })
+        let [exact, fitted] =
+            [&lights, &fit].map(|list| list.iter().map(|l| solve((l, &[]))).collect::<Result<Vec<_>, _>>());
+        let (exact, fitted) = (exact?, fitted?);
+        let emission: Light = map.patches.list().iter().map(|p| p.emission).collect();
+        let own = if emission.iter().any(|e| *e != [0.0; 3]) {
+            let indirect = solve((&vec![[0.0; 3]; emission.len()], &emission))?;
+            Some([emission, indirect])
+        } else {
+            None
+        };
+        Ok(Self { relighter, lights, exact, own, fit: [fit, fitted], bounces })
     }
 
     /// Weights for so many passes.
@@ -189,6 +196,11 @@ impl Truth {
         let mut judge = Judge::default();
         for (direct, truth) in self.lights.iter().zip(&self.exact) {
             transport.relight(session, (direct, &[]), &mut found, passes, &mut rooms)?;
+            judge.add(self.relighter.areas(), &found, truth);
+        }
+        if let Some([emission, truth]) = &self.own {
+            let dark = vec![[0.0; 3]; emission.len()];
+            transport.relight(session, (&dark, emission), &mut found, passes, &mut rooms)?;
             judge.add(self.relighter.areas(), &found, truth);
         }
         Ok(judge.error())

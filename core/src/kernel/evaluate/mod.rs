@@ -10,10 +10,11 @@ mod subdivide;
 
 use super::Kernel;
 use crate::backend::BackendError;
-use crate::bsdf::{Lobes, diffuse, phong};
+use crate::bsdf::{Lobes, diffuse, fresnel, phong};
 use crate::geometry::{self, PreparedRay, Ray, RoundShape, SurfacePoint};
 use crate::light;
 use crate::math::{self, Vec3};
+use crate::medium::{flight, phase};
 use crate::sampling::counter::Counter;
 use crate::sampling::sobol::{BlockSampler, Set};
 use crate::sampling::{discrete, u32_to_unit, warp};
@@ -250,6 +251,11 @@ fn one(kernel: Kernel, shared: &Shared<'_>, mut r: Reader<'_>, w: &mut Writer<'_
                 w.float(s.pdf);
             }
         }
+        K::EvalPhase => w.float(phase::eval(r.float(), r.vec3(), r.vec3())),
+        K::SamplePhase => w.vec3(phase::sample(r.float(), r.vec3(), r.pair())),
+        K::Transmittance => w.vec3(flight::transmittance(r.vec3(), r.float())),
+        K::FresnelDielectric => w.float(fresnel::dielectric(r.float(), r.float())),
+        K::FresnelConductor => w.float(fresnel::conductor(r.float(), r.float(), r.float())),
         K::SampleLight => {
             let record: LightRecord = Reader(shared.constants).record();
             if let Some(s) = light::sample(&record, r.vec3(), r.pair()) {
