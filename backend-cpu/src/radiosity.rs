@@ -316,7 +316,11 @@ mod tests {
         let (n, numbers) = (701, Counter::new(4));
         let entry = |i: usize, j: usize| {
             let u = numbers.unit(i as u32, j as u32, 0);
-            if (i / 24 + j / 24) % 3 == 0 { 0.0 } else { u * u * u / (1 + (i / 8 + j / 8) % 5) as f32 }
+            if (i / 24 + j / 24).is_multiple_of(3) {
+                0.0
+            } else {
+                u * u * u / (1 + (i / 8 + j / 8) % 5) as f32
+            }
         };
         let rows = tile_rows(n);
         let x: Vec<Planes<3>> = (0..rows as u32)

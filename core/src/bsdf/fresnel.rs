@@ -106,7 +106,10 @@ mod tests {
                 let cos = theta.cos() as f32;
                 let found = f64::from(dielectric(cos, ratio as f32));
                 let around = [-1e-6, 0.0, 1e-6].map(|d| {
-                    truth((f64::from(cos).acos() + d).clamp(0.0, 1.570_796), f64::from(ratio as f32))
+                    truth(
+                        (f64::from(cos).acos() + d).clamp(0.0, std::f64::consts::FRAC_PI_2 - 1e-9),
+                        f64::from(ratio as f32),
+                    )
                 });
                 let lo = around.iter().fold(1.0_f64, |a, b| a.min(*b));
                 let hi = around.iter().fold(0.0_f64, |a, b| a.max(*b));

@@ -25,11 +25,12 @@ pub fn transmittance(sigma_t: Vec3, length: f32) -> Vec3 {
 }
 
 /// Radiance that a medium sends along a length of ray \[W m^-2 sr^-1\]: emission x (1 - T) / sigma_t, by its series where little is absorbed.
+/// On a way without end where nothing is absorbed that has no value: it gives 0.
 #[inline(always)]
 pub fn emitted(emission: Vec3, sigma_t: Vec3, length: f32) -> Vec3 {
     let one = |j: f32, sigma: f32| {
         let tau = sigma * length;
-        if j <= 0.0 {
+        if j <= 0.0 || (sigma <= 0.0 && length == f32::INFINITY) {
             0.0
         } else if tau < 0.1 {
             j * length
@@ -136,5 +137,7 @@ mod tests {
             assert!((found / truth - 1.0).abs() < 1e-6, "{tau}: {found} {truth}");
         }
         assert_eq!(emitted(Vec3::ZERO, Vec3::ZERO, f32::INFINITY), Vec3::ZERO);
+        let endless = emitted(Vec3::ONE, Vec3::new(0.0, 0.5, 1e-30), f32::INFINITY);
+        assert!(endless.x == 0.0 && endless.y == 2.0 && endless.z > 0.9e30);
     }
 }

@@ -97,7 +97,7 @@ mod tests {
                 kinds[i / 2] |= (number(i) as u8) << (4 * (i % 2));
             }
             // What comes after the last column is another tile's.
-            kinds[end / 2] |= 0x30 << (4 * (end % 2)) & 0xff;
+            kinds[end / 2] |= 3 << (4 * (end % 2));
             let (mut lists, mut start) = (Lists::new(), 5);
             for first in (0..end).step_by(CHUNK) {
                 let (mut expected, mut at): ([Vec<Place>; 10], u32) = (Default::default(), start);
