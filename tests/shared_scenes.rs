@@ -428,11 +428,3 @@ fn shared_full_closed_cornell_points() {
     let Some(rel_mse) = cornell_points(1 << 14) else { return };
     assert!(rel_mse <= 3e-4, "{rel_mse}");
 }
-
-#[test]
-fn shared_closed_cornell_fog_is_refused() {
-    let Some(root) = shared_scenes() else { return };
-    let session = open(&root.join("closed_cornell/fog.toml"));
-    let refused = driver::image(&*session, &settings(16), &Silent).unwrap_err().to_string();
-    assert!(refused.contains("participating media"), "{refused}");
-}
