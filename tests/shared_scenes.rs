@@ -365,7 +365,7 @@ fn shared_full_closed_cornell_area() {
 /// Fog behind a null boundary, lamp and eye outside it; the reference has 256 samples per pixel and no variance.
 #[test]
 fn shared_closed_cornell_fog() {
-    closed_cornell("fog", 17.0, 64);
+    closed_cornell("fog", 17.0, 32);
 }
 
 #[test]
