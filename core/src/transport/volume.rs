@@ -120,7 +120,7 @@ impl Vertex<'_> {
 
     /// f cos, or the phase function, and the density of a direction.
     #[inline(always)]
-    fn scattering<const SHADING: bool>(&self, wi: Vec3) -> (Vec3, f32) {
+    fn scattering(&self, wi: Vec3) -> (Vec3, f32) {
         match self {
             Self::Surface(s) => {
                 if wi.dot(s.geometric) <= 0.0 {
@@ -415,7 +415,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let [pick, u, v, _] = state.sampler.bits4(group);
         let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
         let s = light::sample_lights(&scene.lights, &scene.light_cumulative, vertex.position(), pick, u)?;
-        let (f, other) = vertex.scattering::<SHADING>(s.wi);
+        let (f, other) = vertex.scattering(s.wi);
         let mut carried = state.throughput * f * s.contribution;
         if s.pdf > 0.0 {
             carried *= mis::power_heuristic(s.pdf, other);
