@@ -11,9 +11,7 @@ use etendue_core::backend::{
     PhotonStart, Probe, Session,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
-use etendue_core::geometry::SurfacePoint;
 use etendue_core::illumination::{ElementSettings, Elements, Sides};
-use etendue_core::math::Vec3;
 use etendue_core::medium::Inside;
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
 use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
@@ -25,10 +23,9 @@ use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, FirstShot, FirstShotError, Forecast, Subdivision, Weights};
 use etendue_core::transport::gather::{MapView, ProbePlace};
-use etendue_core::transport::path::PathTracer;
-use etendue_core::transport::volume::{Surroundings, VolumeTracer, inside_of_probe};
-use etendue_core::transport::{TransportCode, place_probe, resolve_probe};
-use etendue_core::{with_path_tracer, with_volume_tracer};
+use etendue_core::transport::volume::{Surroundings, probe_starts};
+use etendue_core::transport::{Paths, ProbeStart, TransportCode, place_probe};
+use etendue_core::with_tracer;
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -76,8 +73,7 @@ impl CpuSession {
         let tree = Tree::build(&scene.primitives());
         let preparation = vec![("tree", start.elapsed().as_secs_f64())];
         let code = TransportCode::of(&scene.needs);
-        let surroundings =
-            if scene.needs.volume() { Surroundings::of(&scene, &tree) } else { Surroundings::default() };
+        let surroundings = Surroundings::of(&scene, &tree);
         Ok(Self {
             pool,
             scene,
@@ -236,9 +232,9 @@ fn same_film(film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
 }
 
 widest! {
-    /// [`PathTracer::pixel_block`] of a job.
-    fn pixel_block[const L: bool, const T: bool, const S: bool](
-        tracer: &PathTracer<'_, L, T, S>,
+    /// [`Paths::pixel_block`] of a job.
+    fn pixel_block[T: Paths](
+        tracer: &T,
         tree: &Tree,
         pixel: [u32; 2],
         job: &PathJob,
@@ -249,37 +245,11 @@ widest! {
 }
 
 widest! {
-    /// [`PathTracer::probe_block`] of a job.
-    fn probe_block[const L: bool, const T: bool, const S: bool](
-        tracer: &PathTracer<'_, L, T, S>,
+    /// [`Paths::probe_block`] of a job.
+    fn probe_block[T: Paths](
+        tracer: &T,
         tree: &Tree,
-        probe: (u32, SurfacePoint, Vec3),
-        job: &PathJob,
-        block: u32,
-    ) -> ([f64; 3], u64) {
-        tracer.probe_block(tree, probe, job.seed, block, job.block_length)
-    }
-}
-
-widest! {
-    /// [`VolumeTracer::pixel_block`] of a job.
-    fn volume_pixel_block[const L: bool, const T: bool, const S: bool](
-        tracer: &VolumeTracer<'_, L, T, S>,
-        tree: &Tree,
-        pixel: [u32; 2],
-        job: &PathJob,
-        block: u32,
-    ) -> ([f64; 3], u64) {
-        tracer.pixel_block(tree, pixel, job.seed, block, job.block_length)
-    }
-}
-
-widest! {
-    /// [`VolumeTracer::probe_block`] of a job.
-    fn volume_probe_block[const L: bool, const T: bool, const S: bool](
-        tracer: &VolumeTracer<'_, L, T, S>,
-        tree: &Tree,
-        probe: (u32, (SurfacePoint, Vec3), Inside),
+        probe: (u32, &ProbeStart),
         job: &PathJob,
         block: u32,
     ) -> ([f64; 3], u64) {
@@ -312,17 +282,8 @@ impl Session for CpuSession {
         self.check_paths(job, film, &expected)?;
         let chunks = image_chunks(expected.width, expected.height);
         let width = expected.width;
-        if self.scene.needs.volume() {
-            let camera = self.surroundings.camera;
-            return with_volume_tracer!(self.code, (&self.scene, job.max_depth, camera), |tracer| {
-                let mean = |element: u32, block: u32| {
-                    let pixel = [element % width, element / width];
-                    volume_pixel_block(&tracer, &self.tree, pixel, job, block)
-                };
-                run_blocks(&self.pool, job, &chunks, mean, control, film)
-            });
-        }
-        with_path_tracer!(self.code, &self.scene, job.max_depth, |tracer| {
+        let camera = self.surroundings.camera;
+        with_tracer!(self.code, (&*self.scene, job.max_depth, camera), |tracer| {
             let mean = |element: u32, block: u32| {
                 let pixel = [element % width, element / width];
                 pixel_block(&tracer, &self.tree, pixel, job, block)
@@ -340,27 +301,12 @@ impl Session for CpuSession {
     ) -> Result<JobStats, BackendError> {
         let expected = backend::probe_film_settings(&self.scene, job, probes.len());
         self.check_paths(job, film, &expected)?;
-        let points: Vec<_> = backend::check_probes(probes)?
-            .into_iter()
-            .map(|(p, n)| (resolve_probe(&self.scene, &self.tree, p, n), n))
-            .collect();
-        let chunks = single_chunks(points.len());
-        if self.scene.needs.volume() {
-            let outside = self.surroundings.outside;
-            let insides: Vec<_> =
-                points.iter().map(|p| inside_of_probe(&self.scene, &self.tree, outside, p)).collect();
-            return with_volume_tracer!(self.code, (&self.scene, job.max_depth, Inside::NOTHING), |tracer| {
-                let mean = |element: u32, block: u32| {
-                    let i = element as usize;
-                    volume_probe_block(&tracer, &self.tree, (element, points[i], insides[i]), job, block)
-                };
-                run_blocks(&self.pool, job, &chunks, mean, control, film)
-            });
-        }
-        with_path_tracer!(self.code, &self.scene, job.max_depth, |tracer| {
+        let probes = backend::check_probes(probes)?;
+        let starts = probe_starts(&self.scene, &self.tree, self.surroundings.outside, &probes);
+        let chunks = single_chunks(starts.len());
+        with_tracer!(self.code, (&*self.scene, job.max_depth, Inside::NOTHING), |tracer| {
             let mean = |element: u32, block: u32| {
-                let (point, normal) = points[element as usize];
-                probe_block(&tracer, &self.tree, (element, point, normal), job, block)
+                probe_block(&tracer, &self.tree, (element, &starts[element as usize]), job, block)
             };
             run_blocks(&self.pool, job, &chunks, mean, control, film)
         })

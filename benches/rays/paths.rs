@@ -2,9 +2,11 @@
 
 use super::{TURNS, median, seconds};
 use etendue::core::geometry::{Hit, Intersector, Ray};
+use etendue::core::medium::Inside;
 use etendue::core::scene::CompiledScene;
+use etendue::core::transport::Paths;
 use etendue::core::transport::TransportCode;
-use etendue::core::with_path_tracer;
+use etendue::core::with_tracer;
 use etendue::cpu::tree::{CwbvhTree, Isa, WalkTree, WideTree};
 use std::cell::RefCell;
 use std::path::Path;
@@ -38,7 +40,7 @@ impl Intersector for Recorder<'_> {
 }
 
 fn paths<I: Intersector>(scene: &CompiledScene, intersector: &I, code: TransportCode) -> (f64, u64) {
-    with_path_tracer!(code, scene, u32::MAX, |tracer| {
+    with_tracer!(code, (scene, u32::MAX, Inside::NOTHING), |tracer| {
         let (mut sum, mut rays) = (0.0, 0);
         for y in 0..HEIGHT {
             for x in 0..WIDTH {

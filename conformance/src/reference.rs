@@ -8,9 +8,9 @@ use etendue_core::geometry::Bvh2;
 use etendue_core::kernel::{self, Kernel};
 use etendue_core::medium::Inside;
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::volume::{Surroundings, inside_of_probe};
-use etendue_core::transport::{TransportCode, resolve_probe};
-use etendue_core::{with_path_tracer, with_volume_tracer};
+use etendue_core::transport::volume::{Surroundings, probe_starts};
+use etendue_core::transport::{Paths, TransportCode};
+use etendue_core::with_tracer;
 use std::sync::Arc;
 
 /// Core's functions in plain loops.
@@ -118,16 +118,8 @@ impl Session for ReferenceSession {
         check_job(&self.scene, job, film, &expected)?;
         let tree = Bvh2::new(self.scene.primitives());
         let code = TransportCode::of(&self.scene.needs);
-        if self.scene.needs.volume() {
-            let camera = Surroundings::of(&self.scene, &tree).camera;
-            return with_volume_tracer!(code, (&self.scene, job.max_depth, camera), |tracer| {
-                serial_blocks(job, control, film, |element, block| {
-                    let pixel = [element % expected.width, element / expected.width];
-                    tracer.pixel_block(&tree, pixel, job.seed, block, job.block_length)
-                })
-            });
-        }
-        with_path_tracer!(code, &self.scene, job.max_depth, |tracer| {
+        let camera = Surroundings::of(&self.scene, &tree).camera;
+        with_tracer!(code, (&*self.scene, job.max_depth, camera), |tracer| {
             serial_blocks(job, control, film, |element, block| {
                 let pixel = [element % expected.width, element / expected.width];
                 tracer.pixel_block(&tree, pixel, job.seed, block, job.block_length)
@@ -145,27 +137,14 @@ impl Session for ReferenceSession {
         let expected = backend::probe_film_settings(&self.scene, job, probes.len());
         check_job(&self.scene, job, film, &expected)?;
         let tree = Bvh2::new(self.scene.primitives());
-        let points: Vec<_> = backend::check_probes(probes)?
-            .into_iter()
-            .map(|(p, n)| (resolve_probe(&self.scene, &tree, p, n), n))
-            .collect();
+        let probes = backend::check_probes(probes)?;
+        let outside = Surroundings::of(&self.scene, &tree).outside;
+        let starts = probe_starts(&self.scene, &tree, outside, &probes);
         let code = TransportCode::of(&self.scene.needs);
-        if self.scene.needs.volume() {
-            let outside = Surroundings::of(&self.scene, &tree).outside;
-            let insides: Vec<_> =
-                points.iter().map(|p| inside_of_probe(&self.scene, &tree, outside, p)).collect();
-            return with_volume_tracer!(code, (&self.scene, job.max_depth, Inside::NOTHING), |tracer| {
-                serial_blocks(job, control, film, |element, block| {
-                    let i = element as usize;
-                    let probe = (element, points[i], insides[i]);
-                    tracer.probe_block(&tree, probe, job.seed, block, job.block_length)
-                })
-            });
-        }
-        with_path_tracer!(code, &self.scene, job.max_depth, |tracer| {
+        with_tracer!(code, (&*self.scene, job.max_depth, Inside::NOTHING), |tracer| {
             serial_blocks(job, control, film, |element, block| {
-                let (point, normal) = points[element as usize];
-                tracer.probe_block(&tree, (element, point, normal), job.seed, block, job.block_length)
+                let probe = (element, &starts[element as usize]);
+                tracer.probe_block(&tree, probe, job.seed, block, job.block_length)
             })
         })
     }

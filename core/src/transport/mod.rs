@@ -8,12 +8,14 @@ pub mod first_shot;
 pub mod gather;
 pub mod mis;
 pub mod path;
+mod paths;
 pub mod photon;
 mod surface;
 pub mod volume;
 
 use crate::geometry::{Hit, Intersector, Ray};
 
+pub use paths::{Paths, ProbeStart};
 pub(crate) use surface::albedo_at;
 pub use surface::{Surface, TransportCode, place_probe, resolve_probe, surface_at};
 

@@ -7,9 +7,10 @@
 //! channel), at most 0.95, so that paths end even in a closed room of albedo 1. Unbiased for what surfaces carry, up to
 //! `max_depth`.
 
-use super::back::{BlockSum, NO_RAY, camera_ray, emission, roulette, white_surface};
-use super::{Answer, Query, Surface, ask, mis, surface_at};
-use crate::geometry::{Hit, Intersector, Ray, SurfacePoint};
+use super::back::{NO_RAY, camera_ray, emission, roulette, white_surface};
+use super::paths::{Paths, ProbeStart};
+use super::{Answer, Query, Surface, mis, surface_at};
+use crate::geometry::{Hit, Ray};
 use crate::light;
 use crate::math::{self, PI, Vec3};
 use crate::sampling::sobol::BlockSampler;
@@ -50,42 +51,6 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     /// A tracer of paths with at most `max_depth` edges.
     pub fn new(scene: &'a CompiledScene, max_depth: u32) -> Self {
         Self { scene, max_depth }
-    }
-
-    /// Starts a camera path through pixel (x, y). Without a camera the path is done at once.
-    #[inline(always)]
-    pub fn start_camera(&self, x: u32, y: u32, sampler: BlockSampler) -> (PathState, Query) {
-        let Some(camera) = &self.scene.camera else { return (PathState::new(sampler), Query::Done) };
-        let mut state = PathState::new(sampler);
-        state.ray = camera_ray(camera, x, y, &sampler);
-        state.depth = 1;
-        let query = if self.max_depth >= 1 { Query::Closest(state.ray) } else { Query::Done };
-        (state, query)
-    }
-
-    /// Starts a path that measures the irradiance \[W/m^2\] at a point with unit normal `n`: the reflected radiance of
-    /// a white Lambert surface there, times pi.
-    #[inline(always)]
-    pub fn start_probe(&self, point: SurfacePoint, n: Vec3, sampler: BlockSampler) -> (PathState, Query) {
-        let mut state = PathState::new(sampler);
-        state.throughput = Vec3::splat(PI);
-        let surface = white_surface(point, n);
-        let query = if self.max_depth >= 1 { self.scatter(&mut state, &surface) } else { Query::Done };
-        (state, query)
-    }
-
-    /// Takes the answer to the last query and says what is asked next.
-    #[inline(always)]
-    pub fn advance(&self, state: &mut PathState, answer: Answer) -> Query {
-        match answer {
-            Answer::Closest(hit) => self.arrive(state, hit),
-            Answer::Occluded(occluded) => {
-                if !occluded {
-                    state.radiance += state.pending;
-                }
-                state.follow()
-            }
-        }
     }
 
     /// The path has reached a surface, or nothing.
@@ -168,58 +133,52 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         state.pending = pending;
         Some(light::shadow_ray(&s, &surface.point, surface.geometric))
     }
+}
 
-    /// Runs one path to its end; returns what it measures and the number of rays it took.
-    #[inline(always)]
-    pub fn run<I: Intersector + ?Sized>(
-        &self,
-        intersector: &I,
-        (mut state, mut query): (PathState, Query),
-    ) -> (Vec3, u32) {
-        let mut rays = 0;
-        while let Some(answer) = ask(intersector, &query) {
-            rays += 1;
-            query = self.advance(&mut state, answer);
-        }
-        (state.radiance, rays)
+impl<const LOBES: bool, const TEXTURES: bool, const SHADING: bool> Paths
+    for PathTracer<'_, LOBES, TEXTURES, SHADING>
+{
+    type State = PathState;
+
+    fn width(&self) -> u32 {
+        self.scene.camera.map_or(0, |c| c.width)
     }
 
-    /// Mean of one block of camera paths through a pixel, summed in the order of the samples; and the rays it took.
     #[inline(always)]
-    pub fn pixel_block<I: Intersector + ?Sized>(
-        &self,
-        intersector: &I,
-        [x, y]: [u32; 2],
-        seed: u64,
-        block: u32,
-        block_length: u32,
-    ) -> ([f64; 3], u64) {
-        let width = self.scene.camera.map_or(0, |c| c.width);
-        let stream = y.wrapping_mul(width).wrapping_add(x);
-        let mut sum = BlockSum::default();
-        for i in 0..block_length {
-            let start = self.start_camera(x, y, BlockSampler::new(seed, stream, block, i));
-            sum.add(self.run(intersector, start));
-        }
-        sum.mean(block_length)
+    fn start_camera(&self, x: u32, y: u32, sampler: BlockSampler) -> (PathState, Query) {
+        let Some(camera) = &self.scene.camera else { return (PathState::new(sampler), Query::Done) };
+        let mut state = PathState::new(sampler);
+        state.ray = camera_ray(camera, x, y, &sampler);
+        state.depth = 1;
+        let query = if self.max_depth >= 1 { Query::Closest(state.ray) } else { Query::Done };
+        (state, query)
     }
 
-    /// Mean of one block of paths from a probe; and the rays it took.
     #[inline(always)]
-    pub fn probe_block<I: Intersector + ?Sized>(
-        &self,
-        intersector: &I,
-        (index, point, normal): (u32, SurfacePoint, Vec3),
-        seed: u64,
-        block: u32,
-        block_length: u32,
-    ) -> ([f64; 3], u64) {
-        let mut sum = BlockSum::default();
-        for i in 0..block_length {
-            let start = self.start_probe(point, normal, BlockSampler::new(seed, index, block, i));
-            sum.add(self.run(intersector, start));
+    fn start_probe(&self, start: &ProbeStart, sampler: BlockSampler) -> (PathState, Query) {
+        let mut state = PathState::new(sampler);
+        state.throughput = Vec3::splat(PI);
+        let surface = white_surface(start.point, start.normal);
+        let query = if self.max_depth >= 1 { self.scatter(&mut state, &surface) } else { Query::Done };
+        (state, query)
+    }
+
+    #[inline(always)]
+    fn advance(&self, state: &mut PathState, answer: Answer) -> Query {
+        match answer {
+            Answer::Closest(hit) => self.arrive(state, hit),
+            Answer::Occluded(occluded) => {
+                if !occluded {
+                    state.radiance += state.pending;
+                }
+                state.follow()
+            }
         }
-        sum.mean(block_length)
+    }
+
+    #[inline(always)]
+    fn measured(state: &PathState) -> Vec3 {
+        state.radiance
     }
 }
 
@@ -238,11 +197,6 @@ impl PathState {
         }
     }
 
-    /// What the sample measures so far.
-    pub fn measured(&self) -> Vec3 {
-        self.radiance
-    }
-
     #[inline(always)]
     fn follow(&mut self) -> Query {
         if self.next.direction == Vec3::ZERO {
@@ -252,13 +206,4 @@ impl PathState {
         self.depth += 1;
         Query::Closest(self.ray)
     }
-}
-
-/// Runs `$body` with `$tracer` bound to the path tracer that has just the code that `$code` names.
-#[macro_export]
-macro_rules! with_path_tracer {
-    ($code:expr, $scene:expr, $max_depth:expr, |$tracer:ident| $body:expr) => {{
-        use $crate::transport::path::PathTracer;
-        $crate::with_transport_code!($code, |$tracer = PathTracer($scene, $max_depth)| $body)
-    }};
 }

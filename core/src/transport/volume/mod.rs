@@ -5,24 +5,28 @@
 //! they are no vertices, count no edges, and a direction keeps its density beyond them. Connections to lights cross them too, with the product of the transmittances on the way.
 //! Unbiased up to `max_depth`.
 
-use super::back::{BlockSum, NO_RAY, camera_ray, emission, roulette, white_surface};
-use super::{Answer, Query, Surface, ask, mis, surface_at};
-use crate::bsdf::{BsdfSample, Interface};
-use crate::geometry::{Hit, Intersector, Ray, SurfacePoint, offset_origin};
+mod boundaries;
+mod vertex;
+
+pub use boundaries::{Surroundings, inside_at, probe_starts};
+
+use super::back::{NO_RAY, camera_ray, emission, roulette, white_surface};
+use super::paths::{Paths, ProbeStart};
+use super::{Answer, Query, Surface, mis, surface_at};
+use crate::bsdf::Interface;
+use crate::geometry::{Hit, Ray};
 use crate::light;
 use crate::math::{self, PI, Vec3};
-use crate::medium::{Inside, Medium, flight, phase};
+use crate::medium::{Inside, Medium, flight};
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, material_flags};
-use alloc::vec::Vec;
+use boundaries::Here;
+use vertex::{Vertex, lead};
 
 /// Groups of sample dimensions of an event (a scattering, or a boundary that is crossed): the flight, the light, the direction.
 const GROUPS: u32 = 3;
 /// Most boundaries that are crossed on one straight way: what would go on for ever between coincident ones ends.
 const CROSSINGS_MAX: u32 = 1 << 12;
-
-/// Most surfaces that are told apart where they lie upon each other.
-const TOGETHER_MAX: usize = 8;
 
 /// The volumetric path tracer for one scene, with the code that it needs (see [`super::TransportCode`]).
 #[derive(Clone, Copy, Debug)]
@@ -82,13 +86,6 @@ struct Connection {
     crossed: u32,
 }
 
-/// Length of way through the step that a ray takes off a surface \[m\]: a medium is there too. At grazing directions, below a cosine of a tenth, it is less than that.
-#[inline(always)]
-fn lead(surface: &Surface, origin: Vec3, direction: Vec3) -> f32 {
-    let step = math::sqrt((origin - surface.point.position).length_squared());
-    step / math::max(math::abs(direction.dot(surface.geometric)), 0.1)
-}
-
 /// The same way, its parameter in metres.
 #[inline(always)]
 fn with_unit_direction(ray: Ray) -> Ray {
@@ -103,143 +100,12 @@ fn with_unit_direction(ray: Ray) -> Ray {
     }
 }
 
-/// Where light is scattered.
-enum Vertex<'a> {
-    Surface(&'a Surface),
-    Medium { position: Vec3, wo: Vec3, g: f32 },
-}
-
-impl Vertex<'_> {
-    #[inline(always)]
-    fn position(&self) -> Vec3 {
-        match self {
-            Self::Surface(s) => s.point.position,
-            Self::Medium { position, .. } => *position,
-        }
-    }
-
-    /// f cos, or the phase function, and the density of a direction.
-    #[inline(always)]
-    fn scattering(&self, wi: Vec3) -> (Vec3, f32) {
-        match self {
-            Self::Surface(s) => {
-                if wi.dot(s.geometric) <= 0.0 {
-                    return (Vec3::ZERO, 0.0);
-                }
-                let cos = wi.dot(s.shading).max(0.0);
-                (s.lobes.eval(s.shading, s.wo, wi) * cos, s.lobes.pdf_solid_angle(s.shading, s.wo, wi))
-            }
-            Self::Medium { wo, g, .. } => {
-                let p = phase::eval(*g, *wo, wi);
-                (Vec3::splat(p), p)
-            }
-        }
-    }
-
-    /// A direction.
-    #[inline(always)]
-    fn sample<const SHADING: bool>(&self, u: [f32; 2], lobe: f32) -> Option<BsdfSample> {
-        match self {
-            Self::Surface(s) => {
-                let found = s.lobes.sample(s.shading, s.wo, u, lobe)?;
-                // An interpolated normal can send light through the surface; such directions carry nothing.
-                (!SHADING || found.wi.dot(s.geometric) > 0.0).then_some(found)
-            }
-            Self::Medium { wo, g, .. } => {
-                let wi = phase::sample(*g, *wo, u);
-                Some(BsdfSample { wi, weight: Vec3::ONE, pdf: phase::eval(*g, *wo, wi) })
-            }
-        }
-    }
-
-    /// Start of a ray into a direction.
-    #[inline(always)]
-    fn leave(&self, wi: Vec3) -> Vec3 {
-        match self {
-            Self::Surface(s) => s.leave(wi),
-            Self::Medium { position, .. } => *position,
-        }
-    }
-
-    /// What lies between the vertex and the start of a ray from it \[m\].
-    #[inline(always)]
-    fn lead(&self, origin: Vec3, wi: Vec3) -> f32 {
-        match self {
-            Self::Surface(s) => lead(s, origin, wi),
-            Self::Medium { .. } => 0.0,
-        }
-    }
-
-    /// The ray to a place on a light.
-    #[inline(always)]
-    fn towards(&self, sample: &light::LightSample) -> Ray {
-        match self {
-            Self::Surface(s) => light::shadow_ray(sample, &s.point, s.geometric),
-            Self::Medium { position, .. } => {
-                let point = SurfacePoint { position: *position, extent: 0.0 };
-                light::shadow_ray(sample, &point, Vec3::ZERO)
-            }
-        }
-    }
-
-    /// Light sampling can contribute.
-    #[inline(always)]
-    fn has_density(&self) -> bool {
-        match self {
-            Self::Surface(s) => s.lobes.has_density(),
-            Self::Medium { .. } => true,
-        }
-    }
-}
-
 impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     VolumeTracer<'a, LOBES, TEXTURES, SHADING>
 {
     /// A tracer of paths with at most `max_depth` edges; `camera`: what the camera stands in.
     pub fn new(scene: &'a CompiledScene, max_depth: u32, camera: Inside) -> Self {
         Self { scene, max_depth, camera }
-    }
-
-    /// Starts a camera path through pixel (x, y). Without a camera the path is done at once.
-    #[inline(always)]
-    pub fn start_camera(&self, x: u32, y: u32, sampler: BlockSampler) -> (VolumeState, Query) {
-        let mut state = VolumeState::new(sampler, self.camera);
-        let Some(camera) = &self.scene.camera else { return (state, Query::Done) };
-        state.ray = camera_ray(camera, x, y, &sampler);
-        state.vertex = state.ray.origin;
-        state.depth = 1;
-        let query = if self.max_depth >= 1 { Query::Closest(state.ray) } else { Query::Done };
-        (state, query)
-    }
-
-    /// Starts a path that measures the irradiance \[W/m^2\] at a point with unit normal `n` that lies in these media; see [`super::path::PathTracer::start_probe`].
-    #[inline(always)]
-    pub fn start_probe(
-        &self,
-        (point, n): (SurfacePoint, Vec3),
-        inside: Inside,
-        sampler: BlockSampler,
-    ) -> (VolumeState, Query) {
-        let mut state = VolumeState::new(sampler, inside);
-        state.throughput = Vec3::splat(PI);
-        let surface = white_surface(point, n);
-        let query = if self.max_depth >= 1 {
-            self.scatter(&mut state, &Vertex::Surface(&surface))
-        } else {
-            Query::Done
-        };
-        (state, query)
-    }
-
-    /// Takes the answer to the last query and says what is asked next.
-    #[inline(always)]
-    pub fn advance(&self, state: &mut VolumeState, answer: Answer) -> Query {
-        match answer {
-            Answer::Closest(hit) if state.connecting => self.connect(state, hit),
-            Answer::Closest(hit) => self.arrive(state, hit),
-            // Shadow rays are not asked for: something in the way may be a boundary.
-            Answer::Occluded(_) => Query::Done,
-        }
     }
 
     /// The path's ray has reached a surface, or nothing.
@@ -460,7 +326,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         if let Interface::Pane { transmit, .. } = surface.interface {
             carried *= transmit;
         }
-        let origin = offset_origin(&surface.point, surface.geometric, ray.direction);
+        let origin = surface.leave(ray.direction);
         // The way ends where it ended before.
         let t_max = if ray.t_max < f32::MAX {
             ray.t_max - (origin - ray.origin).dot(ray.direction)
@@ -478,58 +344,53 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         };
         Query::Closest(ray)
     }
+}
 
-    /// Runs one path to its end; returns what it measures and the number of rays it took.
-    #[inline(always)]
-    pub fn run<I: Intersector + ?Sized>(
-        &self,
-        intersector: &I,
-        (mut state, mut query): (VolumeState, Query),
-    ) -> (Vec3, u32) {
-        let mut rays = 0;
-        while let Some(answer) = ask(intersector, &query) {
-            rays += 1;
-            query = self.advance(&mut state, answer);
-        }
-        (state.radiance, rays)
+impl<const LOBES: bool, const TEXTURES: bool, const SHADING: bool> Paths
+    for VolumeTracer<'_, LOBES, TEXTURES, SHADING>
+{
+    type State = VolumeState;
+
+    fn width(&self) -> u32 {
+        self.scene.camera.map_or(0, |c| c.width)
     }
 
-    /// Mean of one block of camera paths through a pixel, summed in the order of the samples; and the rays it took.
     #[inline(always)]
-    pub fn pixel_block<I: Intersector + ?Sized>(
-        &self,
-        intersector: &I,
-        [x, y]: [u32; 2],
-        seed: u64,
-        block: u32,
-        block_length: u32,
-    ) -> ([f64; 3], u64) {
-        let width = self.scene.camera.map_or(0, |c| c.width);
-        let stream = y.wrapping_mul(width).wrapping_add(x);
-        let mut sum = BlockSum::default();
-        for i in 0..block_length {
-            let start = self.start_camera(x, y, BlockSampler::new(seed, stream, block, i));
-            sum.add(self.run(intersector, start));
-        }
-        sum.mean(block_length)
+    fn start_camera(&self, x: u32, y: u32, sampler: BlockSampler) -> (VolumeState, Query) {
+        let mut state = VolumeState::new(sampler, self.camera);
+        let Some(camera) = &self.scene.camera else { return (state, Query::Done) };
+        state.ray = camera_ray(camera, x, y, &sampler);
+        state.vertex = state.ray.origin;
+        state.depth = 1;
+        let query = if self.max_depth >= 1 { Query::Closest(state.ray) } else { Query::Done };
+        (state, query)
     }
 
-    /// Mean of one block of paths from a probe in these media; and the rays it took.
     #[inline(always)]
-    pub fn probe_block<I: Intersector + ?Sized>(
-        &self,
-        intersector: &I,
-        (index, point, inside): (u32, (SurfacePoint, Vec3), Inside),
-        seed: u64,
-        block: u32,
-        block_length: u32,
-    ) -> ([f64; 3], u64) {
-        let mut sum = BlockSum::default();
-        for i in 0..block_length {
-            let start = self.start_probe(point, inside, BlockSampler::new(seed, index, block, i));
-            sum.add(self.run(intersector, start));
+    fn start_probe(&self, start: &ProbeStart, sampler: BlockSampler) -> (VolumeState, Query) {
+        let mut state = VolumeState::new(sampler, start.inside);
+        state.throughput = Vec3::splat(PI);
+        let surface = white_surface(start.point, start.normal);
+        if self.max_depth == 0 {
+            return (state, Query::Done);
         }
-        sum.mean(block_length)
+        let query = self.scatter(&mut state, &Vertex::Surface(&surface));
+        (state, query)
+    }
+
+    #[inline(always)]
+    fn advance(&self, state: &mut VolumeState, answer: Answer) -> Query {
+        match answer {
+            Answer::Closest(hit) if state.connecting => self.connect(state, hit),
+            Answer::Closest(hit) => self.arrive(state, hit),
+            // Shadow rays are not asked for: something in the way may be a boundary.
+            Answer::Occluded(_) => Query::Done,
+        }
+    }
+
+    #[inline(always)]
+    fn measured(state: &VolumeState) -> Vec3 {
+        state.radiance
     }
 }
 
@@ -572,146 +433,4 @@ impl VolumeState {
         self.depth += 1;
         Query::Closest(self.ray)
     }
-}
-
-/// A boundary that a ray crosses.
-#[derive(Clone, Copy, Debug)]
-struct Crossed {
-    primitive: u32,
-    media: u32,
-    from_front: bool,
-}
-
-/// All that a ray meets within the step that it takes off a surface.
-struct Here {
-    /// A surface before a film, a film before a boundary.
-    met: Hit,
-    crossed: [Crossed; TOGETHER_MAX],
-    count: usize,
-}
-
-impl Here {
-    /// At a hit; what lies with it is looked for where `together`.
-    fn new(scene: &CompiledScene, ray: &Ray, hit: Hit, together: bool) -> Self {
-        let crossed = |hit: &Hit| {
-            let surface = surface_at::<false, false, false>(scene, ray, hit)?;
-            let media = scene.surfaces.get(hit.primitive as usize).map_or(0, |s| s.media);
-            Some((surface, Crossed { primitive: hit.primitive, media, from_front: surface.from_front }))
-        };
-        let nothing = Crossed { primitive: hit.primitive, media: 0, from_front: true };
-        let mut here = Self { met: hit, crossed: [nothing; TOGETHER_MAX], count: 0 };
-        let Some((surface, first)) = crossed(&hit) else { return here };
-        (here.crossed[0], here.count) = (first, 1);
-        if !together || scene.crossings.is_empty() {
-            return here;
-        }
-        // Surfaces before films, films before boundaries.
-        let rank = |primitive: u32| match scene.material_of(primitive).flags {
-            f if f & material_flags::NULL != 0 => 0,
-            f if f & material_flags::THIN != 0 => 1,
-            _ => 2,
-        };
-        let (near, far) = (surface.leave(-ray.direction), surface.leave(ray.direction));
-        let gap = Ray { origin: near, direction: far - near, t_max: 1.0 };
-        scene.crossings.all_hits(&scene.primitives(), &gap, |other| {
-            let other = Hit { t: hit.t, ..other };
-            if other.primitive == hit.primitive || here.count >= TOGETHER_MAX {
-                return;
-            }
-            if rank(other.primitive) > rank(here.met.primitive) {
-                here.met = other;
-            }
-            let Some((_, new)) = crossed(&other) else { return };
-            // Neighbours at an edge of one boundary are one crossing.
-            let same = |c: &Crossed| {
-                c.from_front == new.from_front
-                    && c.media == new.media
-                    && share_a_corner(scene, c.primitive, new.primitive)
-            };
-            if !here.crossed().iter().any(same) {
-                here.crossed[here.count] = new;
-                here.count += 1;
-            }
-        });
-        here
-    }
-
-    fn crossed(&self) -> &[Crossed] {
-        &self.crossed[..self.count]
-    }
-}
-
-/// Triangles that have a corner in common.
-fn share_a_corner(scene: &CompiledScene, a: u32, b: u32) -> bool {
-    let primitives = scene.primitives();
-    match (primitives.vertices(a), primitives.vertices(b)) {
-        (Some(a), Some(b)) => a.iter().any(|p| b.contains(p)),
-        _ => false,
-    }
-}
-
-/// What is around a scene, and what its camera stands in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Surroundings {
-    /// What lies beyond all boundaries: the medium that the camera is said to stand in, where no boundary holds it.
-    pub outside: Inside,
-    /// What the camera stands in.
-    pub camera: Inside,
-}
-
-impl Surroundings {
-    /// Of a scene.
-    pub fn of<I: Intersector + ?Sized>(scene: &CompiledScene, intersector: &I) -> Self {
-        let Some(camera) = &scene.camera else { return Self::default() };
-        let found = inside_at(scene, intersector, Inside::NOTHING, Vec3::from_array(camera.position));
-        let said = Inside::of(scene.camera_medium);
-        if said.is_nothing() {
-            return Self { outside: Inside::NOTHING, camera: found };
-        }
-        if found.is_nothing() {
-            return Self { outside: said, camera: said };
-        }
-        let agree = found.current(scene) == said.current(scene);
-        Self { outside: Inside::NOTHING, camera: if agree { found } else { said } }
-    }
-}
-
-/// The media in front of a probe; `outside` as in [`Surroundings`].
-pub fn inside_of_probe<I: Intersector + ?Sized>(
-    scene: &CompiledScene,
-    intersector: &I,
-    outside: Inside,
-    (point, n): &(SurfacePoint, Vec3),
-) -> Inside {
-    inside_at(scene, intersector, outside, offset_origin(point, *n, *n))
-}
-
-/// The media that a point lies in, found by the boundaries on a way out of the scene: what surfaces say of their sides, and what is outside.
-pub fn inside_at<I: Intersector + ?Sized>(
-    scene: &CompiledScene,
-    intersector: &I,
-    outside: Inside,
-    point: Vec3,
-) -> Inside {
-    // A direction that scenes do not have: along no axis and no diagonal.
-    let direction = math::normalize_or(Vec3::new(0.352_71, 0.803_11, -0.480_17), Vec3::Y);
-    let mut ray = Ray { origin: point, direction, t_max: f32::MAX };
-    let mut crossed: Vec<Crossed> = Vec::new();
-    for _ in 0..CROSSINGS_MAX {
-        let Some(hit) = intersector.closest_hit(&ray) else { break };
-        let Some(surface) = surface_at::<false, false, false>(scene, &ray, &hit) else { break };
-        let here = Here::new(scene, &ray, hit, true);
-        crossed.extend_from_slice(here.crossed());
-        ray.origin = surface.leave(direction);
-    }
-    crossed.iter().rev().fold(outside, |inside, c| inside.across(c.media, !c.from_front))
-}
-
-/// Runs `$body` with `$tracer` bound to the volumetric path tracer that has just the code that `$code` names.
-#[macro_export]
-macro_rules! with_volume_tracer {
-    ($code:expr, ($scene:expr, $max_depth:expr, $camera:expr), |$tracer:ident| $body:expr) => {{
-        use $crate::transport::volume::VolumeTracer;
-        $crate::with_transport_code!($code, |$tracer = VolumeTracer($scene, $max_depth, $camera)| $body)
-    }};
 }

@@ -1,0 +1,104 @@
+//! A place where light is scattered: on a surface or in a medium.
+
+use crate::bsdf::BsdfSample;
+use crate::geometry::{Ray, SurfacePoint};
+use crate::light;
+use crate::math::{self, Vec3};
+use crate::medium::phase;
+use crate::transport::Surface;
+
+/// Length of way through the step that a ray takes off a surface \[m\]: a medium is there too. At grazing directions, below a cosine of a tenth, it is less than that.
+#[inline(always)]
+pub(super) fn lead(surface: &Surface, origin: Vec3, direction: Vec3) -> f32 {
+    let step = math::sqrt((origin - surface.point.position).length_squared());
+    step / math::max(math::abs(direction.dot(surface.geometric)), 0.1)
+}
+
+/// Where light is scattered.
+pub(super) enum Vertex<'a> {
+    Surface(&'a Surface),
+    Medium { position: Vec3, wo: Vec3, g: f32 },
+}
+
+impl Vertex<'_> {
+    #[inline(always)]
+    pub(super) fn position(&self) -> Vec3 {
+        match self {
+            Self::Surface(s) => s.point.position,
+            Self::Medium { position, .. } => *position,
+        }
+    }
+
+    /// f cos, or the phase function, and the density of a direction.
+    #[inline(always)]
+    pub(super) fn scattering(&self, wi: Vec3) -> (Vec3, f32) {
+        match self {
+            Self::Surface(s) => {
+                if wi.dot(s.geometric) <= 0.0 {
+                    return (Vec3::ZERO, 0.0);
+                }
+                let cos = wi.dot(s.shading).max(0.0);
+                (s.lobes.eval(s.shading, s.wo, wi) * cos, s.lobes.pdf_solid_angle(s.shading, s.wo, wi))
+            }
+            Self::Medium { wo, g, .. } => {
+                let p = phase::eval(*g, *wo, wi);
+                (Vec3::splat(p), p)
+            }
+        }
+    }
+
+    /// A direction.
+    #[inline(always)]
+    pub(super) fn sample<const SHADING: bool>(&self, u: [f32; 2], lobe: f32) -> Option<BsdfSample> {
+        match self {
+            Self::Surface(s) => {
+                let found = s.lobes.sample(s.shading, s.wo, u, lobe)?;
+                // An interpolated normal can send light through the surface; such directions carry nothing.
+                (!SHADING || found.wi.dot(s.geometric) > 0.0).then_some(found)
+            }
+            Self::Medium { wo, g, .. } => {
+                let wi = phase::sample(*g, *wo, u);
+                Some(BsdfSample { wi, weight: Vec3::ONE, pdf: phase::eval(*g, *wo, wi) })
+            }
+        }
+    }
+
+    /// Start of a ray into a direction.
+    #[inline(always)]
+    pub(super) fn leave(&self, wi: Vec3) -> Vec3 {
+        match self {
+            Self::Surface(s) => s.leave(wi),
+            Self::Medium { position, .. } => *position,
+        }
+    }
+
+    /// What lies between the vertex and the start of a ray from it \[m\].
+    #[inline(always)]
+    pub(super) fn lead(&self, origin: Vec3, wi: Vec3) -> f32 {
+        match self {
+            Self::Surface(s) => lead(s, origin, wi),
+            Self::Medium { .. } => 0.0,
+        }
+    }
+
+    /// The ray to a place on a light.
+    #[inline(always)]
+    pub(super) fn towards(&self, sample: &light::LightSample) -> Ray {
+        match self {
+            Self::Surface(s) => light::shadow_ray(sample, &s.point, s.geometric),
+            Self::Medium { position, .. } => {
+                let point = SurfacePoint { position: *position, extent: 0.0 };
+                light::shadow_ray(sample, &point, Vec3::ZERO)
+            }
+        }
+    }
+
+    /// Light sampling can contribute.
+    #[inline(always)]
+    pub(super) fn has_density(&self) -> bool {
+        match self {
+            Self::Surface(s) => s.lobes.has_density(),
+            Self::Medium { .. } => true,
+        }
+    }
+}
