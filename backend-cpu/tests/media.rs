@@ -15,21 +15,9 @@ use std::sync::Arc;
 /// Standard errors that a result may be off; one of the 150 comparisons here exceeds them by chance once in 400 runs of other seeds.
 const LIMIT: f64 = 4.5;
 
-fn medium(name: &str, sigma_a: [f32; 3], sigma_s: [f32; 3], g: f32) -> MediumDesc {
-    MediumDesc {
-        name: name.into(),
-        sigma_a,
-        sigma_s,
-        g,
-        emission: [0.0; 3],
-        priority: 0,
-        unsupported: String::new(),
-    }
-}
-
 /// A grey medium of this extinction and albedo.
 fn grey(name: &str, sigma_t: f32, albedo: f32, g: f32) -> MediumDesc {
-    medium(name, [sigma_t * (1.0 - albedo); 3], [sigma_t * albedo; 3], g)
+    MediumDesc::new(name, [sigma_t * (1.0 - albedo); 3], [sigma_t * albedo; 3], g)
 }
 
 fn material(name: &str, kind: MaterialKind, emission: f32) -> MaterialDesc {
@@ -153,7 +141,7 @@ fn lamps_shine_through_the_boundaries_of_fog() {
     // A wall lit through an absorbing ball, by a lamp beyond it and by one within it.
     let ball = |light: [f32; 3]| SceneDesc {
         materials: vec![material("boundary", MaterialKind::Null, 0.0), black("wall", 0.0)],
-        media: vec![medium("dark", [0.2, 0.5, 2.0], [0.0; 3], 0.0)],
+        media: vec![MediumDesc::new("dark", [0.2, 0.5, 2.0], [0.0; 3], 0.0)],
         shapes: vec![sphere([0.0; 3], 1.0, "boundary", "dark"), sphere([0.0, 0.0, 9.0], 1.0, "wall", "")],
         lights: vec![LightDesc::Point { position: light, intensity: [1.0; 3] }],
         ..SceneDesc::default()
@@ -166,7 +154,7 @@ fn lamps_shine_through_the_boundaries_of_fog() {
     // Straight through boundaries is no edge: a lamp is seen beyond three balls at --max-depth 1.
     let mut row = SceneDesc {
         materials: vec![material("boundary", MaterialKind::Null, 0.0), black("lamp", 3.0)],
-        media: vec![medium("dark", [0.2, 0.5, 2.0], [0.0; 3], 0.0)],
+        media: vec![MediumDesc::new("dark", [0.2, 0.5, 2.0], [0.0; 3], 0.0)],
         shapes: vec![sphere([0.0, 0.0, 9.0], 1.0, "lamp", "")],
         ..SceneDesc::default()
     };
@@ -189,7 +177,10 @@ fn boundaries_that_lie_upon_each_other_are_all_crossed() {
     // A row of three cubes of two media, face to face, then a lamp whose face is the last one's.
     let row = SceneDesc {
         materials: vec![material("boundary", MaterialKind::Null, 0.0), black("lamp", 1.0)],
-        media: vec![medium("a", sigma, [0.0; 3], 0.0), medium("b", sigma.map(|s| 0.5 * s), [0.0; 3], 0.0)],
+        media: vec![
+            MediumDesc::new("a", sigma, [0.0; 3], 0.0),
+            MediumDesc::new("b", sigma.map(|s| 0.5 * s), [0.0; 3], 0.0),
+        ],
         shapes: vec![
             cube([-1.0, -1.0, 0.0], [1.0, 1.0, 1.0], "a"),
             cube([-1.0, -1.0, 1.0], [1.0, 1.0, 2.0], "b"),
@@ -211,7 +202,7 @@ fn boundaries_that_lie_upon_each_other_are_all_crossed() {
         agrees("within", within, sigma.map(|s| (-1.25 * f64::from(s)).exp()), 0.2);
     }
     // A room filled with what emits and absorbs, its walls of radiance 1: light of a room in equilibrium. A leak would be dark.
-    let mut fog = medium("fog", [0.5, 1.0, 2.0], [1.0; 3], 0.3);
+    let mut fog = MediumDesc::new("fog", [0.5, 1.0, 2.0], [1.0; 3], 0.3);
     fog.emission = fog.sigma_a;
     for wall_first in [true, false] {
         let wall = |center: [f32; 3], u: [f32; 3], v: [f32; 3]| {
@@ -289,7 +280,7 @@ fn soups_of_media_give_numbers() {
                 let mut sigma =
                     || [0; 3].map(|_| if unit() < 0.3 { 0.0 } else { 10_f32.powf(12.0 * unit() - 6.0) });
                 let (a, s) = (sigma(), sigma());
-                let mut m = medium(&format!("n{i}"), a, s, 1.98 * unit() - 0.99);
+                let mut m = MediumDesc::new(&format!("n{i}"), a, s, 1.98 * unit() - 0.99);
                 m.priority = (3.0 * unit()) as i32;
                 m.emission = if unit() < 0.3 { [0.1; 3] } else { [0.0; 3] };
                 m

@@ -3,13 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use etendue_core::scene::{MaterialDesc, MaterialKind, MeshDesc, Reflectance, SceneDesc};
+use etendue_core::scene::{IOR_RANGE, MaterialDesc, MaterialKind, MeshDesc, Reflectance, SceneDesc};
 
 use super::bitmap;
 use super::error::{LoadError, Note, Problem, quoted};
 use super::mtl::{MtlMap, MtlMaterial, parse_mtl};
 use super::obj::{Obj, parse_obj};
 use super::ply::parse_ply;
+use super::scene_fields::GLASS;
 use super::source::{FileSource, Found, find, read_file};
 
 /// Longer mesh files are refused.
@@ -285,13 +286,13 @@ impl<'a> Loader<'a> {
                 MaterialKind::Mirror { albedo: Reflectance::flat(ks) }
             }
             (MtlMode::Full, Some(4..=7)) => {
-                let ni = m.ni.filter(|n| (1e-3..=1e3).contains(n));
+                let ni = m.ni.filter(|n| IOR_RANGE.contains(n));
                 if ni.is_none() {
                     let message =
-                        format!("material {} refracts without a valid Ni: 1.5 is used", quoted(&m.name));
+                        format!("material {} refracts without a valid Ni: {GLASS} is used", quoted(&m.name));
                     self.note(file, Some(m.line), message);
                 }
-                MaterialKind::Dielectric { ior: [ni.unwrap_or(1.5); 3], schlick: false }
+                MaterialKind::Dielectric { ior: [ni.unwrap_or(GLASS); 3], schlick: false }
             }
             (MtlMode::Full, _) => {
                 let mut ks = self.reflectance(file, m, "Ks", m.ks.unwrap_or_default());

@@ -227,7 +227,7 @@ const MATERIAL_KINDS: &[&str] = &[
 ];
 
 /// Index of refraction where none is said.
-const GLASS: f32 = 1.5;
+pub(crate) const GLASS: f32 = 1.5;
 
 /// `albedo`, `texture` or both, which multiply; or `checker`, which is not supported.
 fn albedo(

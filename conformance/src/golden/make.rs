@@ -170,16 +170,7 @@ fn terrace() -> SceneDesc {
 
 /// Fog with a ball of another colour in it, glass, metal, a plate and a film, under the sky and a lamp; the camera stands in a thin haze that is everywhere.
 fn mist() -> SceneDesc {
-    let medium = |name: &str, sigma_a: [f32; 3], sigma_s: [f32; 3], g: f32| MediumDesc {
-        name: name.into(),
-        sigma_a,
-        sigma_s,
-        g,
-        emission: [0.0; 3],
-        priority: 0,
-        unsupported: String::new(),
-    };
-    let mut glowing = medium("ember", [2.0, 4.0, 6.0], [1.0, 0.5, 0.2], -0.3);
+    let mut glowing = MediumDesc::new("ember", [2.0, 4.0, 6.0], [1.0, 0.5, 0.2], -0.3);
     glowing.emission = [3.0, 1.0, 0.2];
     let filled = |kind: ShapeKind, material: &str, interior: &str| ShapeDesc {
         interior: interior.into(),
@@ -203,8 +194,8 @@ fn mist() -> SceneDesc {
             ),
         ],
         media: vec![
-            medium("haze", [0.002; 3], [0.01, 0.015, 0.02], 0.2),
-            medium("fog", [0.1, 0.1, 0.2], [1.5, 1.0, 0.8], 0.7),
+            MediumDesc::new("haze", [0.002; 3], [0.01, 0.015, 0.02], 0.2),
+            MediumDesc::new("fog", [0.1, 0.1, 0.2], [1.5, 1.0, 0.8], 0.7),
             glowing,
         ],
         shapes: vec![

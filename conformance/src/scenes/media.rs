@@ -26,18 +26,6 @@ pub(super) fn cases() -> Vec<Case> {
     all
 }
 
-fn medium(name: &str, sigma_a: [f32; 3], sigma_s: [f32; 3], g: f32) -> MediumDesc {
-    MediumDesc {
-        name: name.into(),
-        sigma_a,
-        sigma_s,
-        g,
-        emission: [0.0; 3],
-        priority: 0,
-        unsupported: String::new(),
-    }
-}
-
 /// A shape whose inside is a medium.
 fn filled(kind: ShapeKind, material: &str, interior: &str) -> ShapeDesc {
     ShapeDesc { interior: interior.into(), ..shape(kind, material) }
@@ -78,7 +66,7 @@ fn slab(tau: f32, albedo: f32, g: f32, face: MaterialKind) -> SceneDesc {
     let kind = ShapeKind::Box { min: [-WIDE, -WIDE, 0.0], max: [WIDE, WIDE, 1.0] };
     SceneDesc {
         materials: vec![material("face", face, 0.0), diffuse("lamp", 0.0, 1.0)],
-        media: vec![medium("slab", [tau * (1.0 - albedo); 3], [tau * albedo; 3], g)],
+        media: vec![MediumDesc::new("slab", [tau * (1.0 - albedo); 3], [tau * albedo; 3], g)],
         shapes: vec![filled(kind, "face", "slab")],
         ..SceneDesc::default()
     }
@@ -248,7 +236,7 @@ fn plates() -> Vec<Case> {
 /// What loses nothing cannot be seen in light that is the same from everywhere.
 fn lossless() -> Vec<Case> {
     let source = "white furnace";
-    let mut thick = medium("thick", [0.0; 3], [1.0, 8.0, 3.0], -0.4);
+    let mut thick = MediumDesc::new("thick", [0.0; 3], [1.0, 8.0, 3.0], -0.4);
     thick.priority = 1;
     let mirror = MaterialKind::Mirror { albedo: Reflectance::flat([1.0; 3]) };
     let scene = SceneDesc {
@@ -265,7 +253,7 @@ fn lossless() -> Vec<Case> {
                 0.0,
             ),
         ],
-        media: vec![medium("fog", [0.0; 3], [0.5, 1.0, 4.0], 0.8), thick],
+        media: vec![MediumDesc::new("fog", [0.0; 3], [0.5, 1.0, 4.0], 0.8), thick],
         shapes: vec![
             ball([0.0, 0.0, 0.0], 1.0, "boundary", "fog"),
             // Within it, across it, a mirror in it and a white ball half in it.
@@ -314,7 +302,7 @@ fn glow() -> Case {
 
 /// A closed room of radiance 1 in equilibrium with the medium in it, which emits what it absorbs.
 fn glowing_fog() -> Case {
-    let mut fog = medium("fog", [0.5, 0.25, 1.0], [2.0, 1.0, 0.2], 0.6);
+    let mut fog = MediumDesc::new("fog", [0.5, 0.25, 1.0], [2.0, 1.0, 0.2], 0.6);
     fog.emission = fog.sigma_a;
     let scene = SceneDesc {
         materials: vec![diffuse("wall", 0.0, 1.0)],

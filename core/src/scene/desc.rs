@@ -281,6 +281,14 @@ pub struct MediumDesc {
     pub unsupported: String,
 }
 
+impl MediumDesc {
+    /// A medium that does not emit: absorption and scattering \[1/m\] per channel, and the mean cosine.
+    pub fn new(name: &str, sigma_a: [f32; 3], sigma_s: [f32; 3], g: f32) -> Self {
+        let (name, unsupported) = (String::from(name), String::new());
+        Self { name, sigma_a, sigma_s, g, emission: [0.0; 3], priority: 0, unsupported }
+    }
+}
+
 /// What lies beyond the edge of a bitmap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {

@@ -11,6 +11,8 @@ mod compiled;
 mod desc;
 mod error;
 mod lights;
+mod material;
+mod mesh;
 mod needs;
 
 pub use bitmap::{SRGB_CODES, sample_bitmap, srgb_to_linear};
@@ -24,4 +26,5 @@ pub use desc::{
     SceneDesc, ShapeDesc, ShapeKind, TextureDesc, Wrap,
 };
 pub use error::{Cleanup, CompileReport, SceneError};
+pub use material::IOR_RANGE;
 pub use needs::SceneNeeds;
