@@ -148,8 +148,7 @@ fn the_open_sky() {
     let mut desc = room([0.6, 0.5, 0.3], [0.0; 3]);
     desc.shapes.retain(|s| s.material == "y-" || s.material == "x+");
     furniture(&mut desc);
-    desc.lights
-        .push(LightDesc::Environment(etendue_core::scene::EnvironmentDesc { radiance: [1.0, 2.0, 3.0] }));
+    desc.lights.push(LightDesc::Environment(etendue_core::scene::EnvironmentDesc::uniform([1.0, 2.0, 3.0])));
     desc.lights.push(LightDesc::Directional { direction: [1.0, -2.0, 0.5], irradiance: [3.0, 2.0, 1.0] });
     let session = session(&desc, None);
     let probes: Vec<Probe> =
@@ -241,7 +240,7 @@ fn chessboard(desc: &mut SceneDesc) {
     let texels =
         (0..64).map(|i| if (i / 8 + i % 8) % 2 == 0 { [250, 200, 150] } else { [20, 40, 60] }).collect();
     desc.textures.push(TextureDesc { name: "chess".into(), width: 8, height: 8, texels, wrap: Wrap::Repeat });
-    let albedo = Reflectance { color: [1.0; 3], texture: "chess".into() };
+    let albedo = Reflectance { color: [1.0; 3], texture: "chess".into(), checker: None };
     desc.materials.push(made_of("board", MaterialKind::Diffuse { albedo }));
     desc.shapes.retain(|s| s.material != "y-");
     desc.meshes.push(MeshDesc {

@@ -309,7 +309,7 @@ fn soups_of_media_give_numbers() {
             })
             .collect();
         let lights = vec![
-            LightDesc::Environment(EnvironmentDesc { radiance: [0.5; 3] }),
+            LightDesc::Environment(EnvironmentDesc::uniform([0.5; 3])),
             LightDesc::Point { position: [0.1, 1.3, -0.2], intensity: [1.0; 3] },
             beam(0.7),
         ];

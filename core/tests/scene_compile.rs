@@ -92,7 +92,8 @@ fn bad_materials_textures_and_media_are_refused() {
     );
     assert!(matches!(refused(&with_material(diffuse("c", -0.1, 0.0))), SceneError::OutOfRange { .. }));
     assert!(matches!(refused(&with_material(diffuse("c", 0.1, f32::NAN))), SceneError::NotFinite { .. }));
-    let textured = MaterialKind::Diffuse { albedo: Reflectance { color: [1.0; 3], texture: "t".into() } };
+    let textured =
+        MaterialKind::Diffuse { albedo: Reflectance { color: [1.0; 3], texture: "t".into(), checker: None } };
     let textured = MaterialDesc { kind: textured, ..diffuse("d", 0.0, 0.0) };
     assert!(matches!(refused(&with_material(textured)), SceneError::UnknownName { kind: "texture", .. }));
 
@@ -110,15 +111,7 @@ fn bad_materials_textures_and_media_are_refused() {
     let short = SceneDesc { textures: vec![texture(3)], ..scene(triangle()) };
     assert!(matches!(refused(&short), SceneError::WrongLength { found: 3, expected: 4, .. }));
 
-    let medium = |g: f32| MediumDesc {
-        name: "fog".into(),
-        sigma_a: [0.1; 3],
-        sigma_s: [0.1; 3],
-        g,
-        emission: [0.0; 3],
-        priority: 0,
-        unsupported: String::new(),
-    };
+    let medium = |g: f32| MediumDesc::new("fog", [0.1; 3], [0.1; 3], g);
     for g in [1.0, -1.0, f32::NAN] {
         assert!(compile(&SceneDesc { media: vec![medium(g)], ..scene(triangle()) }).is_err(), "g = {g}");
     }
@@ -143,7 +136,7 @@ fn bad_lights_and_shapes_are_refused() {
         (LightDesc::Point { position: [0.0; 3], intensity: [-1.0; 3] }, "intensity"),
         (LightDesc::Point { position: [f32::NAN; 3], intensity: [1.0; 3] }, "position"),
         (LightDesc::Directional { direction: [0.0; 3], irradiance: [1.0; 3] }, "direction"),
-        (LightDesc::Environment(EnvironmentDesc { radiance: [f32::INFINITY; 3] }), "radiance"),
+        (LightDesc::Environment(EnvironmentDesc::uniform([f32::INFINITY; 3])), "radiance"),
     ] {
         let message = refused(&with_light(light)).to_string();
         assert!(message.starts_with("light 0") && message.contains(field), "{message}");
@@ -242,8 +235,8 @@ fn lights_are_found_linked_and_weighed_by_flux() {
         lights: vec![
             LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] },
             LightDesc::Point { position: [0.0; 3], intensity: [0.0; 3] },
-            LightDesc::Environment(EnvironmentDesc { radiance: [0.5, 0.25, 0.0] }),
-            LightDesc::Environment(EnvironmentDesc { radiance: [0.5; 3] }),
+            LightDesc::Environment(EnvironmentDesc::uniform([0.5, 0.25, 0.0])),
+            LightDesc::Environment(EnvironmentDesc::uniform([0.5; 3])),
         ],
         ..SceneDesc::default()
     };
@@ -329,7 +322,9 @@ fn what_light_passes_is_named_and_checked() {
 fn a_mesh_without_textures_gets_plain_colours() {
     let textured = MaterialDesc {
         name: "brick".into(),
-        kind: MaterialKind::Diffuse { albedo: Reflectance { color: [0.5; 3], texture: "t".into() } },
+        kind: MaterialKind::Diffuse {
+            albedo: Reflectance { color: [0.5; 3], texture: "t".into(), checker: None },
+        },
         two_sided: true,
         emission: [0.0; 3],
     };

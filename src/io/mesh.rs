@@ -278,7 +278,8 @@ impl<'a> Loader<'a> {
             let message = format!("Kd is 0 and multiplies map_Kd: material {} is black", quoted(&m.name));
             self.note(file, Some(m.line), message);
         }
-        let albedo = |color| Reflectance { color, texture: texture.clone().unwrap_or_default() };
+        let albedo =
+            |color| Reflectance { color, texture: texture.clone().unwrap_or_default(), checker: None };
         let kind = match (options.mtl, m.illum) {
             (MtlMode::Diffuse, _) => MaterialKind::Diffuse { albedo: albedo(kd) },
             (MtlMode::Full, Some(3)) => {

@@ -76,7 +76,7 @@ pub fn parse_mesh_scene(path: &Path, source: &dyn FileSource) -> Result<LoadedSc
     if loader.desc.materials.iter().all(|m| m.emission == [0.0; 3]) {
         loader.note(path, None, "nothing emits light: an environment of radiance 1 was added");
         let radiance = [1.0; 3];
-        loader.desc.lights.push(LightDesc::Environment(EnvironmentDesc { radiance }));
+        loader.desc.lights.push(LightDesc::Environment(EnvironmentDesc::uniform(radiance)));
     }
     Ok(LoadedScene { desc: loader.desc, notes: loader.notes })
 }

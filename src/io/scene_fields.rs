@@ -206,7 +206,7 @@ pub(crate) fn light(s: &Section<'_>) -> Result<LightDesc, LoadError> {
             }
             // Turning an environment that is the same all round changes nothing.
             scalar_or(s, "rotate_deg", 0.0)?;
-            LightDesc::Environment(EnvironmentDesc { radiance: vector(s, "radiance")? })
+            LightDesc::Environment(EnvironmentDesc::uniform(vector(s, "radiance")?))
         }
     };
     s.finish()?;
@@ -252,7 +252,7 @@ fn albedo(
     };
     let default = if texture.is_some() { Some([1.0; 3]) } else { default };
     let color = s.required(color.or(default), "albedo", "albedo = [r, g, b], texture or checker")?;
-    Ok(Ok(Reflectance { color, texture: texture.unwrap_or_default() }))
+    Ok(Ok(Reflectance { color, texture: texture.unwrap_or_default(), checker: None }))
 }
 
 /// The material and the line of its name.
@@ -350,14 +350,12 @@ pub(crate) fn medium(s: &Section<'_>) -> Result<(MediumDesc, usize), LoadError> 
         }
         None => 0,
     };
+    let (sigma_a, sigma_s) = (vector_or(s, "sigma_a", zero)?, vector_or(s, "sigma_s", zero)?);
     let desc = MediumDesc {
-        name,
-        sigma_a: vector_or(s, "sigma_a", zero)?,
-        sigma_s: vector_or(s, "sigma_s", zero)?,
-        g: scalar_or(s, "g", 0.0)?,
         emission: vector_or(s, "emission", zero)?,
         priority,
         unsupported: unsupported.join(", "),
+        ..MediumDesc::new(&name, sigma_a, sigma_s, scalar_or(s, "g", 0.0)?)
     };
     s.finish()?;
     Ok((desc, line))

@@ -128,7 +128,7 @@ fn black_and_nearly_white_walls_and_light_on_one_patch_alone() {
 fn an_open_room_of_white_walls_under_a_white_sky_cannot_be_seen() {
     let mut desc = room([1.0; 3], [0.0; 3]);
     desc.shapes.retain(|s| s.material != "y+");
-    desc.lights.push(LightDesc::Environment(EnvironmentDesc { radiance: [1.0; 3] }));
+    desc.lights.push(LightDesc::Environment(EnvironmentDesc::uniform([1.0; 3])));
     let session = session(&desc, None);
     let map = patches(&session, 100);
     let f = exact_rows(&session, &map, 2048);

@@ -140,7 +140,11 @@ fn terrace() -> SceneDesc {
     let mut r = Random::new(0x7e22);
     let texels = (0..64).map(|_| [0; 3].map(|_| r.below(256) as u8)).collect();
     let printed = |name: &str, color: [f32; 3]| {
-        material(name, MaterialKind::Diffuse { albedo: Reflectance { color, texture: "print".into() } }, 0.0)
+        material(
+            name,
+            MaterialKind::Diffuse { albedo: Reflectance { color, texture: "print".into(), checker: None } },
+            0.0,
+        )
     };
     let mut ground = mesh(
         vec![[-3.0, -3.0, 0.0], [3.0, -3.0, 0.0], [3.0, 3.0, 0.0], [-3.0, 3.0, 0.0]],

@@ -97,7 +97,7 @@ pub fn camera(position: [f32; 3], look_at: [f32; 3], fov_x_deg: f32, resolution:
 
 /// A constant environment.
 pub fn environment(radiance: f32) -> LightDesc {
-    LightDesc::Environment(EnvironmentDesc { radiance: [radiance; 3] })
+    LightDesc::Environment(EnvironmentDesc::uniform([radiance; 3]))
 }
 
 /// An isotropic point light.

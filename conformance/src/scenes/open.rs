@@ -220,7 +220,9 @@ fn texture_mean() -> Case {
         "printed",
     );
     square.texcoords = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 3.0], [0.0, 3.0]];
-    let printed = MaterialKind::Diffuse { albedo: Reflectance { color: [1.0; 3], texture: "print".into() } };
+    let printed = MaterialKind::Diffuse {
+        albedo: Reflectance { color: [1.0; 3], texture: "print".into(), checker: None },
+    };
     let mut scene = SceneDesc {
         meshes: vec![square],
         materials: vec![material("printed", printed, 0.0)],

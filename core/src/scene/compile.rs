@@ -264,9 +264,9 @@ impl Builder {
             if self.medium_names.insert(m.name.clone(), self.out.media.len() as u32).is_some() {
                 return Err(SceneError::DuplicateName { kind: "medium", name: m.name.clone() });
             }
-            if !m.unsupported.is_empty() && !self.unsupported.contains(&m.unsupported) {
-                self.unsupported.push(m.unsupported.clone());
-            }
+            let grids = m.density.is_some() || m.albedo.is_some();
+            let missing = if grids { "media on grids" } else { m.unsupported.as_str() };
+            self.unsupported(missing);
             self.out.media.push(MediumRecord {
                 sigma_a: m.sigma_a,
                 g: m.g,
@@ -280,6 +280,13 @@ impl Builder {
             return Err(SceneError::TooLarge { what: "media", found: self.out.media.len() });
         }
         Ok(())
+    }
+
+    /// Notes what this version does not render; nothing where the name is empty.
+    fn unsupported(&mut self, what: &str) {
+        if !what.is_empty() && !self.unsupported.iter().any(|u| u == what) {
+            self.unsupported.push(what.to_string());
+        }
     }
 
     /// Index + 1 of a medium, 0 for the empty name.
@@ -499,6 +506,9 @@ impl Builder {
 
     fn light(&mut self, index: usize, light: &LightDesc) -> Result<(), SceneError> {
         if let LightDesc::Environment(e) = light {
+            if e.image.is_some() {
+                self.unsupported("pictures of environments");
+            }
             let place = format!("light {index} (environment)");
             not_negative(&place, "radiance", &e.radiance)?;
             for (sum, x) in self.out.environment.iter_mut().zip(e.radiance) {
@@ -535,7 +545,7 @@ impl Builder {
             needs.refraction |=
                 m.flags & (material_flags::DIELECTRIC | material_flags::THIN) == material_flags::DIELECTRIC;
             needs.panes |= m.flags & material_flags::THIN != 0;
-            if let MaterialKind::Unsupported(kind) = &draft.kind {
+            if let Some(kind) = draft.kind.unsupported() {
                 let name = format!("material kind \"{kind}\"");
                 if !needs.unsupported.contains(&name) {
                     needs.unsupported.push(name);

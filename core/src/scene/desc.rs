@@ -163,27 +163,71 @@ pub enum LightDesc {
     Environment(EnvironmentDesc),
 }
 
-/// An environment: the same radiance from every direction.
+/// An environment: the same radiance from every direction, or a picture of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentDesc {
-    /// Radiance \[W m^-2 sr^-1\] per channel.
+    /// Radiance \[W m^-2 sr^-1\] per channel; multiplies the picture where there is one.
     pub radiance: [f32; 3],
+    /// The picture.
+    pub image: Option<EnvironmentImage>,
 }
 
-/// A colour, or a bitmap by name that multiplies it.
+impl EnvironmentDesc {
+    /// The same radiance \[W m^-2 sr^-1\] from every direction.
+    pub fn uniform(radiance: [f32; 3]) -> Self {
+        Self { radiance, image: None }
+    }
+}
+
+/// A picture of all directions: columns are longitudes, rows latitudes from +y (top) to -y, and the centre is -z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentImage {
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// width * height linear colours, row by row, top row first.
+    pub texels: Vec<[f32; 3]>,
+    /// Rotation from the picture's axes to the world's, row by row.
+    pub to_world: [[f32; 3]; 3],
+}
+
+/// A colour; a bitmap by name or a checker multiplies it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reflectance {
     /// Linear reflectance per channel, in \[0, 1\].
     pub color: [f32; 3],
     /// Name of a bitmap whose decoded texels multiply `color`; empty for none.
     pub texture: String,
+    /// A pattern of squares that multiplies `color`.
+    pub checker: Option<Checker>,
 }
 
 impl Reflectance {
     /// The same colour everywhere.
     pub fn flat(color: [f32; 3]) -> Self {
-        Self { color, texture: String::new() }
+        Self { color, texture: String::new(), checker: None }
     }
+}
+
+/// Squares of two colours: the first where floor(2 u') + floor(2 v') is even, (u', v') the texture coordinates times `repeat`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checker {
+    /// The two colours, linear, per channel in \[0, 1\].
+    pub colors: [[f32; 3]; 2],
+    /// Pairs of squares per unit of u and of v.
+    pub repeat: [f32; 2],
+}
+
+/// How rough a surface is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Roughness {
+    /// Microfacets distributed as Trowbridge and Reitz (GGX) have it; alpha is the slope scale.
+    Ggx(f32),
+    /// Microfacets of a Gaussian distribution of slopes (Beckmann); alpha is the slope scale.
+    Beckmann(f32),
+    /// No microfacets: a Phong lobe of this exponent about the mirror direction and, where light passes, about the refracted one (source C).
+    Phong(f32),
 }
 
 /// How a surface scatters.
@@ -243,10 +287,63 @@ pub enum MaterialKind {
         /// What passes.
         transmit: [f32; 3],
     },
+    /// As [`Self::Conductor`], rough.
+    RoughConductor {
+        /// Real part per channel, above 0.
+        eta: [f32; 3],
+        /// Imaginary part per channel.
+        k: [f32; 3],
+        /// How rough.
+        roughness: Roughness,
+    },
+    /// As [`Self::Dielectric`], rough.
+    RoughDielectric {
+        /// Index per channel, above 0; different ones disperse.
+        ior: [f32; 3],
+        /// Reflectance by Schlick's fit instead of Fresnel's equations.
+        schlick: bool,
+        /// How rough.
+        roughness: Roughness,
+    },
+    /// A diffuse body under a clear coat of a dielectric.
+    Plastic {
+        /// Albedo of the body, seen without the coat.
+        albedo: Reflectance,
+        /// Index of the coat, above 0.
+        ior: f32,
+        /// How rough the coat is; `None` is smooth.
+        roughness: Option<Roughness>,
+        /// Count how colours deepen by light that goes back and forth within the coat.
+        nonlinear: bool,
+    },
+    /// A film that scatters evenly to both of its sides, reflect + transmit <= 1 per channel.
+    ScatteringFilm {
+        /// Reflected albedo.
+        reflect: [f32; 3],
+        /// Transmitted albedo.
+        transmit: [f32; 3],
+    },
     /// No surface at all: a boundary between media.
     Null,
     /// A kind that the scene file knows and this version does not render; the name is kept for messages.
     Unsupported(String),
+}
+
+impl MaterialKind {
+    /// What this version does not render of it, in the words of the scene file.
+    pub fn unsupported(&self) -> Option<&str> {
+        match self {
+            Self::RoughConductor { .. } => Some("rough conductor"),
+            Self::RoughDielectric { .. } => Some("rough dielectric"),
+            Self::Plastic { .. } => Some("plastic"),
+            Self::ScatteringFilm { .. } => Some("thin_film, scatter = true"),
+            Self::Diffuse { albedo } | Self::DiffusePhong { albedo, .. } if albedo.checker.is_some() => {
+                Some("checker")
+            }
+            Self::Unsupported(what) => Some(what),
+            _ => None,
+        }
+    }
 }
 
 /// A named material.
@@ -262,7 +359,7 @@ pub struct MaterialDesc {
     pub emission: [f32; 3],
 }
 
-/// A named homogeneous participating medium.
+/// A named participating medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MediumDesc {
     /// Name, unique in the scene.
@@ -279,13 +376,40 @@ pub struct MediumDesc {
     pub priority: i32,
     /// Names a grid (or another extension) that this version does not render; empty for none.
     pub unsupported: String,
+    /// Scales absorption and scattering from place to place.
+    pub density: Option<GridDesc>,
+    /// Single-scattering albedo from place to place: of the extinction sigma_a + sigma_s it takes this share as scattering.
+    pub albedo: Option<GridDesc>,
+}
+
+/// Values in a box, linear between the centres of its cells, 0 outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridDesc {
+    /// Cells along x, y and z.
+    pub size: [u32; 3],
+    /// One value per cell, or three.
+    pub channels: u32,
+    /// The values: x runs fastest, then y, then z, channels together.
+    pub values: Vec<f32>,
+    /// Row-major affine transform from the unit cube that the cells fill to the world; the fourth column is the translation.
+    pub to_world: [[f32; 4]; 3],
 }
 
 impl MediumDesc {
     /// A medium that does not emit: absorption and scattering \[1/m\] per channel, and the mean cosine.
     pub fn new(name: &str, sigma_a: [f32; 3], sigma_s: [f32; 3], g: f32) -> Self {
         let (name, unsupported) = (String::from(name), String::new());
-        Self { name, sigma_a, sigma_s, g, emission: [0.0; 3], priority: 0, unsupported }
+        Self {
+            name,
+            sigma_a,
+            sigma_s,
+            g,
+            emission: [0.0; 3],
+            priority: 0,
+            unsupported,
+            density: None,
+            albedo: None,
+        }
     }
 }
 

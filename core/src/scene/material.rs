@@ -54,7 +54,11 @@ pub(super) fn material_record(
             (&film, *transmit, 0.0, material_flags::FILM | material_flags::THIN)
         }
         MaterialKind::Null => (&black, [0.0; 3], 0.0, material_flags::NULL),
-        MaterialKind::Unsupported(_) => (&black, [0.0; 3], 0.0, 0),
+        MaterialKind::RoughConductor { .. }
+        | MaterialKind::RoughDielectric { .. }
+        | MaterialKind::Plastic { .. }
+        | MaterialKind::ScatteringFilm { .. }
+        | MaterialKind::Unsupported(_) => (&black, [0.0; 3], 0.0, 0),
     };
     not_negative(&place, "albedo", &albedo.color)?;
     not_negative(&place, "specular", &specular)?;

@@ -22,8 +22,8 @@ pub use compiled::{
     TextureRecord, material_flags,
 };
 pub use desc::{
-    CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, MeshDesc, Reflectance,
-    SceneDesc, ShapeDesc, ShapeKind, TextureDesc, Wrap,
+    CameraDesc, Checker, EnvironmentDesc, EnvironmentImage, GridDesc, LightDesc, MaterialDesc, MaterialKind,
+    MediumDesc, MeshDesc, Reflectance, Roughness, SceneDesc, ShapeDesc, ShapeKind, TextureDesc, Wrap,
 };
 pub use error::{Cleanup, CompileReport, SceneError};
 pub use material::IOR_RANGE;

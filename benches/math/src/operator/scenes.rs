@@ -62,7 +62,7 @@ pub fn mesh(file: &Path, sky: bool) -> Outcome<Arc<CompiledScene>> {
         (mesh.textures, mesh.shading_normals) = (false, false);
     }
     if sky {
-        desc.lights = vec![LightDesc::Environment(EnvironmentDesc { radiance: [1.0; 3] })];
+        desc.lights = vec![LightDesc::Environment(EnvironmentDesc::uniform([1.0; 3]))];
     }
     compiled(&desc)
 }
