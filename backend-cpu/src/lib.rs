@@ -4,6 +4,7 @@
 //! indices only, and films add integers.
 
 pub mod bc1;
+mod bidirectional;
 mod blocks;
 mod linear;
 pub mod linear_triangle;
@@ -86,7 +87,7 @@ impl Backend for CpuBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, kernels: true }
+        Capabilities { path: true, bidirectional: true, kernels: true }
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

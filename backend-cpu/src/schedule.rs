@@ -42,6 +42,20 @@ pub(crate) fn run_blocks(
     control: &dyn Control,
     film: &mut Film,
 ) -> Result<JobStats, BackendError> {
+    let mean = |element: u32, block: u32, _: u32, _: u32| block_mean(element, block);
+    run_blocks_with(pool, job, chunks, mean, |_| {}, control, film)
+}
+
+/// As [`run_blocks`], in batches of blocks: `block_mean` is also told the first block of its batch and their number, and `finish` sees the means of each batch, block after block.
+pub(crate) fn run_blocks_with(
+    pool: &rayon::ThreadPool,
+    job: &PathJob,
+    chunks: &[Vec<u32>],
+    block_mean: impl Fn(u32, u32, u32, u32) -> ([f64; 3], u64) + Sync,
+    finish: impl Fn(&mut [[f64; 3]]),
+    control: &dyn Control,
+    film: &mut Film,
+) -> Result<JobStats, BackendError> {
     let elements = film.len();
     let total = elements as u64 * u64::from(job.blocks.end - job.blocks.start);
     let per_batch = (BATCH / elements.max(1)).max(1) as u32;
@@ -70,7 +84,7 @@ pub(crate) fn run_blocks(
                         }
                         let mut traced = 0;
                         for &element in elements {
-                            let (mean, n) = block_mean(element, *block);
+                            let (mean, n) = block_mean(element, *block, first, last - first);
                             traced += n;
                             means.push(mean);
                         }
@@ -96,6 +110,7 @@ pub(crate) fn run_blocks(
                 means[row + *element as usize] = *mean;
             }
         }
+        finish(&mut means);
         part.add_blocks(first..last, &means)?;
         first = last;
     }

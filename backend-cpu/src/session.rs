@@ -1,5 +1,6 @@
 //! A scene with its tree, and the jobs on it.
 
+use crate::bidirectional::{self, Place};
 use crate::linear::Linear;
 use crate::photons::{self, Photons, Target};
 use crate::radiosity;
@@ -7,7 +8,7 @@ use crate::schedule::{image_chunks, run_blocks, single_chunks};
 use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{
-    self, BackendError, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob, PhotonJob,
+    self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob, PhotonJob,
     PhotonStart, Probe, Session,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
@@ -120,6 +121,11 @@ impl CpuSession {
         weights: Weights,
     ) -> Result<(FirstShot, u64), FirstShotError> {
         photons::first_shot(&self.pool, &self.scene, &self.tree, subdivision, weights)
+    }
+
+    fn place(&self) -> Place<'_> {
+        let (pool, scene, tree) = (&*self.pool, &*self.scene, &self.tree);
+        Place { pool, scene, tree, code: self.code, surroundings: self.surroundings }
     }
 
     fn shot_of(&self, job: &PhotonJob) -> Result<Option<Arc<FirstShot>>, FirstShotError> {
@@ -310,6 +316,31 @@ impl Session for CpuSession {
             };
             run_blocks(&self.pool, job, &chunks, mean, control, film)
         })
+    }
+
+    fn bidirectional_image(
+        &self,
+        job: &BidirectionalJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, &job.path)?;
+        self.check_paths(&job.path, film, &expected)?;
+        bidirectional::image(self.place(), job, control, film)
+    }
+
+    fn bidirectional_probes(
+        &self,
+        job: &BidirectionalJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        self.check_paths(&job.path, film, &expected)?;
+        let probes = backend::check_probes(probes)?;
+        let starts = probe_starts(&self.scene, &self.tree, self.surroundings.outside, &probes);
+        bidirectional::probes(self.place(), job, &starts, control, film)
     }
 
     fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {

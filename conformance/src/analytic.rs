@@ -4,7 +4,7 @@ use crate::scenes::cases::{Case, Measure};
 use crate::statistics::{sidak, t_quantile};
 use crate::suite::Level;
 use crate::trios::Finding;
-use etendue_core::backend::{self, Backend, BackendError, NoControl, PathJob, Probe};
+use etendue_core::backend::{self, Backend, BackendError, BidirectionalJob, NoControl, PathJob, Probe};
 use etendue_core::film::Film;
 use etendue_core::scene::{CompiledScene, SceneDesc, compile};
 use std::sync::Arc;
@@ -31,12 +31,32 @@ pub fn compiled(scene: &SceneDesc) -> Result<Arc<CompiledScene>, BackendError> {
     }
 }
 
+/// What estimates light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimator {
+    /// Path tracing from the sensor.
+    Path,
+    /// Bidirectional path tracing.
+    Bidirectional,
+}
+
+impl Estimator {
+    /// What comes before the names of its checks.
+    pub fn prefix(self) -> &'static str {
+        match self {
+            Self::Path => "",
+            Self::Bidirectional => "bidirectional/",
+        }
+    }
+}
+
 /// Runs a job of `samples` per element: an image, or the probes.
 ///
 /// # Errors
 /// The backend's own.
 pub fn render(
     backend: &dyn Backend,
+    estimator: Estimator,
     scene: &Arc<CompiledScene>,
     probes: Option<&[Probe]>,
     job: &PathJob,
@@ -47,9 +67,14 @@ pub fn render(
         None => backend::image_film_settings(scene, job)?,
     };
     let mut film = Film::new(settings);
-    match probes {
-        Some(p) => session.path_probes(job, p, &NoControl, &mut film)?,
-        None => session.path_image(job, &NoControl, &mut film)?,
+    let both = BidirectionalJob::new(job.clone());
+    match (probes, estimator) {
+        (Some(p), Estimator::Path) => session.path_probes(job, p, &NoControl, &mut film)?,
+        (None, Estimator::Path) => session.path_image(job, &NoControl, &mut film)?,
+        (Some(p), Estimator::Bidirectional) => {
+            session.bidirectional_probes(&both, p, &NoControl, &mut film)?
+        }
+        (None, Estimator::Bidirectional) => session.bidirectional_image(&both, &NoControl, &mut film)?,
     };
     Ok(film)
 }
@@ -82,7 +107,12 @@ pub fn job(case: &Case, level: Level) -> PathJob {
 ///
 /// # Errors
 /// The backend's own.
-pub fn check(backend: &dyn Backend, case: &Case, level: Level) -> Result<Vec<Finding>, BackendError> {
+pub fn check(
+    backend: &dyn Backend,
+    estimator: Estimator,
+    case: &Case,
+    level: Level,
+) -> Result<Vec<Finding>, BackendError> {
     let scene = compiled(&case.scene)?;
     let (probes, pool) = match &case.measure {
         Measure::Probes(p) => (Some(p.as_slice()), false),
@@ -90,7 +120,7 @@ pub fn check(backend: &dyn Backend, case: &Case, level: Level) -> Result<Vec<Fin
         Measure::Pixels => (None, false),
         Measure::ImageMean => (None, true),
     };
-    let film = render(backend, &scene, probes, &job(case, level))?;
+    let film = render(backend, estimator, &scene, probes, &job(case, level))?;
     let found = estimates(&film, pool);
     let tests = 3 * found.len();
     let dof = if pool { f64::from(BLOCKS) * film.len() as f64 / 2.0 } else { f64::from(BLOCKS) - 1.0 };
@@ -120,5 +150,5 @@ pub fn check(backend: &dyn Backend, case: &Case, level: Level) -> Result<Vec<Fin
         film.samples(),
         film.invalid() + film.saturated(),
     );
-    Ok(vec![(format!("analytic/{}", case.name), passed, detail)])
+    Ok(vec![(format!("{}analytic/{}", estimator.prefix(), case.name), passed, detail)])
 }

@@ -3,7 +3,7 @@
 //! The reference is the only producer; every backend is compared to it, pixel by pixel with both variances and as a
 //! mean. `cargo run --release -p etendue-conformance --example bless` writes the files anew; no test does.
 
-use crate::analytic::{BLOCKS, compiled, estimates, render};
+use crate::analytic::{BLOCKS, Estimator, compiled, estimates, render};
 use crate::reference::ReferenceBackend;
 use crate::statistics::{sidak, t_quantile};
 use crate::suite::Level;
@@ -54,7 +54,7 @@ fn golden_job(seed: u64, samples: u32) -> PathJob {
 /// When the scene cannot be rendered.
 pub fn produce(scene: &GoldenScene) -> Result<String, BackendError> {
     let compiled = compiled(&scene.scene)?;
-    let film = render(&ReferenceBackend, &compiled, None, &golden_job(0x601d, GOLDEN_SAMPLES))?;
+    let film = render(&ReferenceBackend, Estimator::Path, &compiled, None, &golden_job(0x601d, GOLDEN_SAMPLES))?;
     let settings = film.settings();
     let mut text = format!(
         "# {}: {} x {}, {} samples; per pixel: mean r g b, standard error r g b\n",
@@ -85,14 +85,19 @@ fn parse(text: &str) -> Option<Vec<Pixel>> {
 ///
 /// # Errors
 /// The backend's own.
-pub fn check(backend: &dyn Backend, scene: &GoldenScene, level: Level) -> Result<Vec<Finding>, BackendError> {
-    let name = |what: &str| format!("golden/{}/{what}", scene.name);
+pub fn check(
+    backend: &dyn Backend,
+    estimator: Estimator,
+    scene: &GoldenScene,
+    level: Level,
+) -> Result<Vec<Finding>, BackendError> {
+    let name = |what: &str| format!("{}golden/{}/{what}", estimator.prefix(), scene.name);
     let Some(stored) = parse(scene.text) else {
         return Ok(vec![(name("pixels"), false, "the stored golden is not readable: bless it".into())]);
     };
     let compiled = compiled(&scene.scene)?;
     let samples = if level == Level::Quick { QUICK_SAMPLES } else { QUICK_SAMPLES * 8 };
-    let film = render(backend, &compiled, None, &golden_job(0xbeef, samples))?;
+    let film = render(backend, estimator, &compiled, None, &golden_job(0xbeef, samples))?;
     let found = estimates(&film, false);
     if found.len() != stored.len() || stored.is_empty() {
         let detail = format!("{} pixels against {} stored: bless it", found.len(), stored.len());

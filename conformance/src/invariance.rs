@@ -1,6 +1,6 @@
 //! What must not change: scale, place, the split of a job, its repetition.
 
-use crate::analytic::{self, cases, compiled, render};
+use crate::analytic::{self, Estimator, cases, compiled, render};
 use crate::scenes::cases::{Case, Measure};
 use crate::scenes::transformed;
 use crate::suite::Level;
@@ -54,7 +54,7 @@ pub fn check(backend: &dyn Backend, level: Level) -> Result<Vec<Finding>, Backen
     for case in all.iter().filter(|c| MOVED.contains(&c.name.as_str())) {
         for (scale, shift, rounding) in TRANSFORMS {
             let name = format!("invariance/{}/scale_{scale:e}_shift_{shift:e}", case.name);
-            let found = analytic::check(backend, &moved(case, scale, shift, rounding), level)?;
+            let found = analytic::check(backend, Estimator::Path, &moved(case, scale, shift, rounding), level)?;
             out.extend(found.into_iter().map(|(_, passed, detail)| (name.clone(), passed, detail)));
         }
     }
@@ -77,6 +77,7 @@ fn split(backend: &dyn Backend, case: &Case) -> Result<Finding, BackendError> {
     let film = |blocks: std::ops::Range<u32>| -> Result<Film, BackendError> {
         render(
             backend,
+            Estimator::Path,
             &scene,
             probes,
             &PathJob { seed: 11, block_length: 16, blocks, max_depth: case.max_depth },
@@ -106,7 +107,7 @@ fn no_edges(backend: &dyn Backend, case: &Case) -> Result<Finding, BackendError>
         return Ok(("invariance/max_depth_0".into(), false, "the first case has no probes".into()));
     };
     let job = PathJob { seed: 1, block_length: 16, blocks: 0..2, max_depth: 0 };
-    let film = render(backend, &scene, Some(probes), &job)?;
+    let film = render(backend, Estimator::Path, &scene, Some(probes), &job)?;
     let dark = (0..film.len()).all(|i| film.mean(i) == [0.0; 3]);
     Ok(("invariance/max_depth_0".into(), dark, format!("black: {dark}")))
 }

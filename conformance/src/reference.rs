@@ -23,7 +23,7 @@ impl Backend for ReferenceBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, kernels: true }
+        Capabilities { path: true, bidirectional: false, kernels: true }
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

@@ -1,6 +1,6 @@
 //! The suite as the command runs it.
 
-use crate::analytic;
+use crate::analytic::{self, Estimator};
 use crate::golden;
 use crate::invariance;
 use crate::kernels::{self, expects_equal_bits};
@@ -110,24 +110,37 @@ pub fn run(backend: &dyn Backend, level: Level, report: &mut dyn FnMut(&CheckRes
         r.skip("trio", "the backend evaluates no kernels");
     }
     if capabilities.path {
-        for case in analytic::cases() {
-            let start = Instant::now();
-            r.group(&format!("analytic/{}", case.name), start, analytic::check(backend, &case, level));
-        }
+        check_scenes(backend, Estimator::Path, level, &mut r);
         let start = Instant::now();
         r.group("invariance", start, invariance::check(backend, level));
-        for scene in golden::scenes() {
-            let start = Instant::now();
-            r.group(&format!("golden/{}", scene.name), start, golden::check(backend, &scene, level));
-        }
     } else {
         for group in ["analytic", "invariance", "golden"] {
             r.skip(group, "the backend traces no paths");
         }
     }
+    if capabilities.bidirectional {
+        check_scenes(backend, Estimator::Bidirectional, level, &mut r);
+    } else {
+        r.skip("bidirectional", "the backend does not trace paths from both ends");
+    }
     let mut summary = r.summary;
     summary.seconds = begin.elapsed().as_secs_f64();
     summary
+}
+
+/// Every scene with an exact answer, and every golden.
+fn check_scenes(backend: &dyn Backend, estimator: Estimator, level: Level, r: &mut Reporter<'_>) {
+    let prefix = estimator.prefix();
+    for case in analytic::cases() {
+        let start = Instant::now();
+        let found = analytic::check(backend, estimator, &case, level);
+        r.group(&format!("{prefix}analytic/{}", case.name), start, found);
+    }
+    for scene in golden::scenes() {
+        let start = Instant::now();
+        let found = golden::check(backend, estimator, &scene, level);
+        r.group(&format!("{prefix}golden/{}", scene.name), start, found);
+    }
 }
 
 fn check_kernels(backend: &dyn Backend, level: Level, r: &mut Reporter<'_>) {

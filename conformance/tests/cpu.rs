@@ -1,7 +1,7 @@
 //! What only the CPU backend promises: the bits of the scalar reference, and code that depends on what a scene needs
 //! without changing what it gives.
 
-use etendue_conformance::analytic::{cases, compiled, render};
+use etendue_conformance::analytic::{Estimator, cases, compiled, render};
 use etendue_conformance::golden;
 use etendue_conformance::reference::ReferenceBackend;
 use etendue_conformance::scenes::cases::Measure;
@@ -23,8 +23,8 @@ fn job() -> PathJob {
 fn films_equal_the_reference_bit_for_bit() {
     for scene in golden::scenes() {
         let scene = compiled(&scene.scene).expect("a good scene");
-        let ours = render(&cpu(), &scene, None, &job()).expect("surfaces only");
-        let theirs = render(&ReferenceBackend, &scene, None, &job()).expect("surfaces only");
+        let ours = render(&cpu(), Estimator::Path, &scene, None, &job()).expect("surfaces only");
+        let theirs = render(&ReferenceBackend, Estimator::Path, &scene, None, &job()).expect("surfaces only");
         assert!(ours == theirs);
         assert!((0..ours.len()).any(|i| ours.mean(i)[0] > 0.0));
     }
@@ -32,8 +32,8 @@ fn films_equal_the_reference_bit_for_bit() {
         if let Measure::Probes(probes) = &case.measure {
             let scene = compiled(&case.scene).expect("a good scene");
             let job = PathJob { max_depth: case.max_depth, ..job() };
-            let ours = render(&cpu(), &scene, Some(probes), &job).expect("surfaces only");
-            let theirs = render(&ReferenceBackend, &scene, Some(probes), &job).expect("surfaces only");
+            let ours = render(&cpu(), Estimator::Path, &scene, Some(probes), &job).expect("surfaces only");
+            let theirs = render(&ReferenceBackend, Estimator::Path, &scene, Some(probes), &job).expect("surfaces only");
             assert!(ours == theirs, "{}", case.name);
         }
     }

@@ -8,7 +8,7 @@
 mod spoils;
 mod tracer;
 
-use etendue_conformance::analytic;
+use etendue_conformance::analytic::{self, Estimator};
 use etendue_conformance::golden;
 use etendue_conformance::invariance;
 use etendue_conformance::kernels::measure;
@@ -284,7 +284,7 @@ fn trio_mutants_are_caught_by_properties() {
 fn analytic_failures(backend: &dyn Backend, names: &[&str]) -> Vec<String> {
     let mut failed = Vec::new();
     for case in analytic::cases().iter().filter(|c| names.contains(&c.name.as_str())) {
-        for (name, passed, detail) in analytic::check(backend, case, Level::Quick).expect("surfaces only") {
+        for (name, passed, detail) in analytic::check(backend, Estimator::Path, case, Level::Quick).expect("surfaces only") {
             if !passed {
                 failed.push(format!("{name}: {detail}"));
             }
@@ -341,7 +341,7 @@ fn goldens_catch_what_they_are_for() {
     ] {
         let scene = golden::scenes().into_iter().find(|s| s.name == name).expect("scenes have these names");
         let of =
-            |fault| golden::check(&TracerBackend { fault }, &scene, Level::Quick).expect("surfaces only");
+            |fault| golden::check(&TracerBackend { fault }, Estimator::Path, &scene, Level::Quick).expect("surfaces only");
         for fault in faults {
             let found = of(Some(*fault));
             assert!(found.iter().any(|f| !f.1), "{fault:?} passes {name}: {found:?}");

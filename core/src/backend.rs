@@ -18,6 +18,7 @@ use crate::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace};
 use crate::radiosity::tiles::{self, Kind, RateCurves, Rates, TileError, Tiles};
 use crate::radiosity::transfer::Transfer;
 use crate::scene::CompiledScene;
+use crate::transport::bidirectional::{self, Heuristic};
 use crate::transport::first_shot::{FirstShotError, Forecast, Subdivision, Weights};
 use crate::transport::photon::{LightPlan, Sequence};
 use alloc::boxed::Box;
@@ -43,6 +44,8 @@ pub struct BackendInfo {
 pub struct Capabilities {
     /// Path-traced images and probes.
     pub path: bool,
+    /// The same by bidirectional path tracing.
+    pub bidirectional: bool,
     /// [`Backend::map`] for every [`Kernel`].
     pub kernels: bool,
 }
@@ -246,6 +249,30 @@ impl PathJob {
     }
 }
 
+/// An image or probes by bidirectional path tracing; see [`crate::transport::bidirectional`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct BidirectionalJob {
+    /// Samples and their blocks: of each pixel or probe as many walks from it as from lights.
+    pub path: PathJob,
+    /// How strategies share paths.
+    pub heuristic: Heuristic,
+    /// One strategy alone; see [`crate::transport::bidirectional::Settings::only`].
+    pub only: Option<[u32; 2]>,
+}
+
+impl BidirectionalJob {
+    /// By all strategies and the power heuristic.
+    pub fn new(path: PathJob) -> Self {
+        Self { path, heuristic: Heuristic::Power, only: None }
+    }
+
+    /// What is asked of the estimator.
+    pub fn settings(&self) -> bidirectional::Settings {
+        let Self { path, heuristic, only } = self;
+        bidirectional::Settings { max_depth: path.max_depth, heuristic: *heuristic, only: *only }
+    }
+}
+
 /// Where photons start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhotonStart {
@@ -436,6 +463,35 @@ pub trait Session: Send + Sync {
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError>;
+
+    /// Traces an image from both ends into `film` (of [`image_film_settings`]). On an error the film is unchanged.
+    ///
+    /// # Errors
+    /// As [`Self::path_image`]; or the backend has no such job.
+    fn bidirectional_image(
+        &self,
+        job: &BidirectionalJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let _ = (job, control, film);
+        Err(BackendError::Unsupported { backend: "chosen", what: "bidirectional path tracing".into() })
+    }
+
+    /// Traces the irradiance at probes from both ends into `film` (of [`probe_film_settings`]). On an error the film is unchanged.
+    ///
+    /// # Errors
+    /// As [`Self::path_probes`]; or the backend has no such job.
+    fn bidirectional_probes(
+        &self,
+        job: &BidirectionalJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let _ = (job, probes, control, film);
+        Err(BackendError::Unsupported { backend: "chosen", what: "bidirectional path tracing".into() })
+    }
 
     /// What an illumination map as accurate as `photons` photons from the lights would make it costs from there and from surfaces; the same on every machine.
     ///

@@ -136,6 +136,58 @@ impl Camera {
     }
 }
 
+/// The other way: from a place to the pixel that sees it.
+impl Camera {
+    /// Area of the image on the plane one unit along the axis.
+    #[inline]
+    fn film_area(&self) -> f32 {
+        let (right, up) = (Vec3::from_array(self.right), Vec3::from_array(self.up));
+        4.0 * math::sqrt(right.dot(right) * up.dot(up))
+    }
+
+    /// Density per solid angle of the directions of [`Self::sample_ray`] from a point of the lens, over all pixels together; `direction` is a unit vector into the image.
+    #[inline]
+    pub fn pdf_solid_angle(&self, direction: Vec3) -> f32 {
+        let cos = direction.dot(Vec3::from_array(self.forward));
+        if cos > 0.0 { 1.0 / (self.film_area() * (cos * cos * cos)) } else { 0.0 }
+    }
+
+    /// A point of the lens: its centre where it is a pinhole.
+    #[inline]
+    pub fn sample_lens(&self, u: [f32; 2]) -> Vec3 {
+        let position = Vec3::from_array(self.position);
+        if self.lens_radius <= 0.0 {
+            return position;
+        }
+        let [dx, dy] = warp::sample_disk(u);
+        let right = math::normalize_or(Vec3::from_array(self.right), Vec3::ZERO);
+        let up = math::normalize_or(Vec3::from_array(self.up), Vec3::ZERO);
+        position + (right * dx + up * dy) * self.lens_radius
+    }
+
+    /// The pixel (x, y) whose rays from a point of the lens pass through `p`; `None` beside the image and behind the camera.
+    #[inline]
+    pub fn pixel(&self, lens: Vec3, p: Vec3) -> Option<[u32; 2]> {
+        let to = p - lens;
+        let along = to.dot(Vec3::from_array(self.forward));
+        if !(along > 0.0) {
+            return None;
+        }
+        // From the centre of the lens to where the ray crosses the plane that is in focus, at one unit along the axis.
+        let toward = if self.lens_radius > 0.0 {
+            let shift = lens - Vec3::from_array(self.position);
+            to / along + shift / self.focus_distance
+        } else {
+            to / along
+        };
+        let (right, up) = (Vec3::from_array(self.right), Vec3::from_array(self.up));
+        let column = (toward.dot(right) / right.dot(right) + 1.0) * (0.5 * self.width as f32);
+        let row = (1.0 - toward.dot(up) / up.dot(up)) * (0.5 * self.height as f32);
+        let within = column >= 0.0 && row >= 0.0 && column < self.width as f32 && row < self.height as f32;
+        within.then_some([column as u32, row as u32])
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -177,6 +229,36 @@ mod tests {
             let r = camera.sample_ray(37, 81, [0.2, 0.9], lens);
             let at = r.origin + r.direction * ((meet.z - r.origin.z) / r.direction.z);
             assert!((at - meet).length() <= 4e-6, "{at} against {meet}");
+        }
+    }
+
+    #[test]
+    fn pixels_are_found_again_and_directions_have_their_density() {
+        for lens_radius in [0.0, 0.3] {
+            let mut d = desc();
+            (d.lens_radius, d.focus_distance) = (lens_radius, 4.0);
+            let camera = Camera::try_new(&d).unwrap();
+            for i in 0..2000_u32 {
+                let n = |k: u32| ((i * 4 + k).wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0;
+                let (x, y) = ((n(0) * 200.0) as u32, (n(1) * 100.0) as u32);
+                let u = [0.02 + 0.96 * n(2), 0.02 + 0.96 * n(3)];
+                let ray = camera.sample_ray(x, y, u, [n(1), n(3)]);
+                assert!((camera.sample_lens([n(1), n(3)]) - ray.origin).length() < 1e-6);
+                let p = ray.origin + ray.direction * (0.5 + 9.0 * n(0));
+                assert_eq!(camera.pixel(ray.origin, p), Some([x, y]), "{lens_radius} {u:?}");
+                assert_eq!(camera.pixel(ray.origin, ray.origin - ray.direction), None);
+            }
+            // Its integral over the image: cells of the plane at one unit, each of solid angle area cos^3.
+            let (mut sum, steps) = (0.0, 64);
+            for i in 0..steps * steps {
+                let at = |k: u32| (k as f32 + 0.5) / steps as f32 * 2.0 - 1.0;
+                let toward = Vec3::Z + Vec3::X * at(i % steps) + Vec3::Y * (0.5 * at(i / steps));
+                let cos = 1.0 / toward.length();
+                let solid_angle = cos * cos * cos * 2.0 / (steps * steps) as f32;
+                sum += camera.pdf_solid_angle(toward * cos) * solid_angle;
+            }
+            assert!((sum - 1.0).abs() < 1e-3, "{sum}");
+            assert_eq!(camera.pdf_solid_angle(-Vec3::Z), 0.0);
         }
     }
 

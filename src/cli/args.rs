@@ -5,6 +5,7 @@ use crate::driver::{Budget, Settings};
 use crate::engine::BackendKind;
 use clap::{Args, ValueEnum};
 use etendue_core::tone::{ToneMap, ToneSettings};
+use etendue_core::transport::bidirectional::{CUTOFF, Heuristic};
 use std::path::PathBuf;
 
 /// Where to compute.
@@ -34,12 +35,33 @@ pub(super) struct TalkArgs {
 pub(super) enum Method {
     /// Path tracing from the sensor
     Path,
-    /// Bidirectional path tracing (not in this version)
+    /// Bidirectional path tracing
     Bdpt,
     /// Maps of photons, read or gathered by tracing back from the sensor
     Photon,
     /// The radiosity operator: light between patches, baked once; diffuse triangles only
     Radiosity,
+}
+
+/// How strategies share paths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum HeuristicChoice {
+    /// By the squares of their densities
+    Power,
+    /// By their densities
+    Balance,
+    /// By their densities, leaving out those below a tenth of the largest
+    Cutoff,
+}
+
+impl HeuristicChoice {
+    pub(super) fn heuristic(self) -> Heuristic {
+        match self {
+            Self::Power => Heuristic::Power,
+            Self::Balance => Heuristic::Balance,
+            Self::Cutoff => Heuristic::Cutoff(CUTOFF),
+        }
+    }
 }
 
 /// How to sample and when to stop.
@@ -48,6 +70,9 @@ pub(super) struct SamplingArgs {
     /// Estimator [default: the cheapest that covers what the scene needs]
     #[arg(long, value_enum)]
     pub method: Option<Method>,
+    /// How the strategies of bidirectional path tracing share paths [default: power]
+    #[arg(long, value_enum)]
+    pub heuristic: Option<HeuristicChoice>,
     /// Largest number of edges of a path, as Mitsuba counts them (2: direct light) [default: unlimited]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: Option<u32>,
@@ -77,17 +102,12 @@ fn finite(text: &str) -> Result<f32, String> {
 }
 
 impl SamplingArgs {
-    /// Refuses methods that this version does not have.
+    /// Refuses options that the method does not have.
     pub(super) fn check_method(&self) -> Result<(), CliError> {
-        match self.method {
-            None | Some(Method::Path | Method::Photon | Method::Radiosity) => Ok(()),
-            Some(other) => {
-                let name = other.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default();
-                Err(CliError::Usage(format!(
-                    "method `{name}` is not in this version, expected `path`, `photon` or `radiosity`"
-                )))
-            }
+        if self.heuristic.is_some() && self.method != Some(Method::Bdpt) {
+            return Err(CliError::Usage("--heuristic needs --method bdpt".into()));
         }
+        Ok(())
     }
 
     pub(super) fn settings(&self) -> Settings {

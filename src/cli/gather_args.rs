@@ -1,6 +1,6 @@
 //! The choice of the estimator of images and probes: paths, maps of photons, or an operator; and the options of the latter two.
 
-use super::args::{Method, SamplingArgs};
+use super::args::{HeuristicChoice, Method, SamplingArgs};
 use super::error::CliError;
 use super::job::Stages;
 use super::photon_args::PhotonArgs;
@@ -9,6 +9,7 @@ use crate::driver::{self, Budget, GatherSettings, Outcome, Settings, Watcher};
 use clap::Args;
 use etendue_core::backend::{GatherJob, Session};
 use etendue_core::illumination::Sides;
+use etendue_core::transport::bidirectional::Heuristic;
 use serde_json::{Map, Value, json};
 
 /// Photons of all blocks together, where nothing is said.
@@ -35,6 +36,7 @@ pub(super) struct GatherArgs {
 #[derive(Debug)]
 pub(super) enum Estimator {
     Path,
+    Bidirectional(Heuristic),
     Photon(GatherSettings),
     Radiosity(Box<Ready>),
 }
@@ -60,6 +62,10 @@ impl GatherArgs {
                 )));
             }
             Some(Method::Photon) => {}
+            Some(Method::Bdpt) => {
+                let heuristic = sampling.heuristic.unwrap_or(HeuristicChoice::Power);
+                return Ok(Estimator::Bidirectional(heuristic.heuristic()));
+            }
             _ => return Ok(Estimator::Path),
         }
         let scene = session.scene();
@@ -114,6 +120,14 @@ impl GatherArgs {
             self.photon.describe(&gather.photons.start, map);
             map.insert("element_size".into(), json!(gather.photons.elements.largest));
         }
+        if let Estimator::Bidirectional(heuristic) = estimator {
+            let name = match heuristic {
+                Heuristic::Power => "power",
+                Heuristic::Balance => "balance",
+                Heuristic::Cutoff(_) => "cutoff",
+            };
+            map.insert("heuristic".into(), json!(name));
+        }
         if let Estimator::Radiosity(ready) = estimator {
             ready.describe(map);
         }
@@ -124,6 +138,7 @@ impl Estimator {
     fn name(&self) -> &'static str {
         match self {
             Self::Path => "path",
+            Self::Bidirectional(_) => "bdpt",
             Self::Photon(_) => "photon",
             Self::Radiosity(_) => "radiosity",
         }

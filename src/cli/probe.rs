@@ -51,6 +51,9 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     let estimator = args.gather.estimator(&args.sampling, &*opened.session, true, (&bar, &mut stages))?;
     let outcome = match &estimator {
         Estimator::Path => driver::probes(&*opened.session, &probes, &settings, &bar)?,
+        Estimator::Bidirectional(heuristic) => {
+            driver::bidirectional_probes(&*opened.session, &probes, &settings, *heuristic, &bar)?
+        }
         Estimator::Photon(gather) => {
             driver::photon_probes(&*opened.session, &probes, &settings, gather, &bar)?
         }

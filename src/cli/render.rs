@@ -49,6 +49,9 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     let estimator = args.gather.estimator(&args.sampling, &*opened.session, false, (&bar, &mut stages))?;
     let outcome = match &estimator {
         Estimator::Path => driver::image(&*opened.session, &settings, &bar)?,
+        Estimator::Bidirectional(heuristic) => {
+            driver::bidirectional_image(&*opened.session, &settings, *heuristic, &bar)?
+        }
         Estimator::Photon(gather) => driver::photon_image(&*opened.session, &settings, gather, &bar)?,
         Estimator::Radiosity(ready) => {
             radiosity::map_image(&*opened.session, &settings, &ready.view(), &bar)?

@@ -13,8 +13,9 @@ mod photon;
 pub mod radiosity;
 
 use crate::metrics::statistics;
-use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session};
+use etendue_core::backend::{self, BackendError, BidirectionalJob, Control, JobStats, PathJob, Probe, Session};
 use etendue_core::film::Film;
+use etendue_core::transport::bidirectional::Heuristic;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
@@ -163,6 +164,45 @@ pub fn probes(
     drive(film, first, settings.budget, watcher, &even, |job, control, film| {
         session.path_probes(job, probes, control, film)
     })
+}
+
+/// Traces an image from both ends.
+///
+/// # Errors
+/// As [`Session::bidirectional_image`]; being stopped is no error.
+pub fn bidirectional_image(
+    session: &dyn Session,
+    settings: &Settings,
+    heuristic: Heuristic,
+    watcher: &dyn Watcher,
+) -> Result<Outcome, BackendError> {
+    let first = first_job(settings);
+    let film = Film::new(backend::image_film_settings(session.scene(), &first)?);
+    drive(film, first, settings.budget, watcher, &even, |job, control, film| {
+        session.bidirectional_image(&both_ends(job, heuristic), control, film)
+    })
+}
+
+/// Traces the irradiance at probes from both ends.
+///
+/// # Errors
+/// As [`Session::bidirectional_probes`]; being stopped is no error.
+pub fn bidirectional_probes(
+    session: &dyn Session,
+    probes: &[Probe],
+    settings: &Settings,
+    heuristic: Heuristic,
+    watcher: &dyn Watcher,
+) -> Result<Outcome, BackendError> {
+    let first = first_job(settings);
+    let film = Film::new(backend::probe_film_settings(session.scene(), &first, probes.len()));
+    drive(film, first, settings.budget, watcher, &even, |job, control, film| {
+        session.bidirectional_probes(&both_ends(job, heuristic), probes, control, film)
+    })
+}
+
+fn both_ends(path: &PathJob, heuristic: Heuristic) -> BidirectionalJob {
+    BidirectionalJob { heuristic, ..BidirectionalJob::new(path.clone()) }
 }
 
 /// Elements that count alike.

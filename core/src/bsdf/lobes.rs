@@ -41,6 +41,12 @@ impl Lobes {
         !self.mirror
     }
 
+    /// Light passes: directions on the other side can be sampled.
+    #[inline(always)]
+    pub fn transmits(&self) -> bool {
+        false
+    }
+
     /// Probability of choosing the diffuse lobe: its share of the mean reflectance.
     #[inline]
     pub(crate) fn diffuse_share(&self) -> f32 {

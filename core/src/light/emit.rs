@@ -104,6 +104,19 @@ fn sample_spot(axis: Vec3, [cone, full]: [f32; 2], u: [f32; 2]) -> Vec3 {
     t * (sin * c) + b * (sin * s) + axis * (1.0 - one_minus_cos)
 }
 
+/// Density per solid angle of the directions that [`emit`] draws at a place of a light that is near; `out`: unit direction away from it, `normal`: its own there.
+#[inline]
+pub fn pdf_direction(light: &LightRecord, out: Vec3, normal: Vec3) -> f32 {
+    if light.kind == LightKind::Point as u32 {
+        1.0 / (2.0 * TAU)
+    } else if light.kind == LightKind::Spot as u32 {
+        let axis = Vec3::from_array(light.edge1);
+        super::spot_falloff(out.dot(axis), light.params) / spot_solid_angle(light.params)
+    } else {
+        out.dot(normal).max(0.0) * (1.0 / PI)
+    }
+}
+
 /// A ray from far away through the disk that a bounding sphere shows.
 #[inline]
 fn from_infinity(travel: Vec3, (centre, radius): (Vec3, f32), u: [f32; 2]) -> Ray {

@@ -39,6 +39,7 @@ pub(super) fn white_surface(point: SurfacePoint, n: Vec3) -> Surface {
         front: n,
         geometric: n,
         shading: n,
+        interpolated: n,
         wo: n,
         lobes: Lobes::diffuse(Vec3::ONE),
         interface: Interface::Opaque,

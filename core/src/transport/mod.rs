@@ -4,6 +4,7 @@
 //! estimator knows how rays are traced.
 
 mod back;
+pub mod bidirectional;
 pub mod first_shot;
 pub mod gather;
 pub mod mis;

@@ -67,6 +67,8 @@ pub struct Surface {
     pub geometric: Vec3,
     /// Unit normal that lobes are evaluated about, on the side of `wo`.
     pub shading: Vec3,
+    /// Unit interpolated normal on the side of `geometric`, whether or not it points away from `wo`.
+    pub interpolated: Vec3,
     /// Unit direction back along the ray.
     pub wo: Vec3,
     /// What is reflected; black from behind a one-sided surface.
@@ -163,15 +165,19 @@ pub fn surface_at<const LOBES: bool, const TEXTURES: bool, const SHADING: bool>(
     } else {
         Lobes::diffuse(albedo)
     };
-    let mut shading = geometric;
+    let (mut shading, mut interpolated) = (geometric, geometric);
     if SHADING && record.flags & material_flags::SHADING_NORMALS != 0 {
-        shading = interpolated_normal(scene, vertex, hit, from_front, wo).unwrap_or(geometric);
+        interpolated = interpolated_normal(scene, vertex, hit, from_front).unwrap_or(geometric);
+        if interpolated.dot(wo) > 0.0 {
+            shading = interpolated;
+        }
     }
     let mut surface = Surface {
         point,
         front,
         geometric,
         shading,
+        interpolated,
         wo,
         lobes,
         interface: Interface::Opaque,
@@ -205,21 +211,20 @@ fn textured(scene: &CompiledScene, texture: u32, vertex: Option<[u32; 3]>, hit: 
     sample_bitmap(record, &scene.texels, &scene.srgb_decode, uv)
 }
 
-/// The interpolated normal on the side of `wo`, or `None` where it is missing or points away from the viewer.
+/// The unit interpolated normal on the side of the surface that was met, or `None` where it is missing.
 #[inline]
 fn interpolated_normal(
     scene: &CompiledScene,
     vertex: Option<[u32; 3]>,
     hit: &Hit,
     from_front: bool,
-    wo: Vec3,
 ) -> Option<Vec3> {
     let normal = |i: u32| Vec3::from_array(scene.normals.get(i as usize).copied().unwrap_or([0.0; 3]));
     let [a, b, c] = vertex?.map(normal);
     let sum = a * (1.0 - hit.b1 - hit.b2) + b * hit.b1 + c * hit.b2;
     let n = math::normalize_or(sum, Vec3::ZERO);
     let n = if from_front { n } else { -n };
-    (n.dot(wo) > 0.0).then_some(n)
+    (n != Vec3::ZERO).then_some(n)
 }
 
 /// A probe as a surface point; see [`place_probe`].

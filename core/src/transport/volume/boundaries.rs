@@ -88,6 +88,36 @@ fn share_a_corner(scene: &CompiledScene, a: u32, b: u32) -> bool {
     }
 }
 
+/// What a straight way goes through at a hit, and the media beyond it.
+///
+/// A ray leaves a surface from a place a little beyond it, and would miss what lies just there: the face of the next volume, or a wall that volume fills a room up to. So all that lies within that
+/// step counts: media of all boundaries are crossed, and a surface among them is what is met.
+#[inline(always)]
+pub(in crate::transport) fn resolve(
+    scene: &CompiledScene,
+    ray: &Ray,
+    hit: Hit,
+    inside: Inside,
+) -> (Hit, Inside) {
+    let media = scene.surfaces.get(hit.primitive as usize).map_or(0, |s| s.media);
+    let passes = scene.material_of(hit.primitive).flags & material_flags::PASSES != 0;
+    if media == 0 && !passes {
+        return (hit, inside);
+    }
+    resolve_boundary(scene, ray, hit, inside, passes)
+}
+
+fn resolve_boundary(
+    scene: &CompiledScene,
+    ray: &Ray,
+    hit: Hit,
+    inside: Inside,
+    passes: bool,
+) -> (Hit, Inside) {
+    let here = Here::new(scene, ray, hit, passes);
+    (here.met, here.crossed().iter().fold(inside, |inside, c| inside.across(c.media, c.from_front)))
+}
+
 /// What is around a scene, and what its camera stands in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Surroundings {

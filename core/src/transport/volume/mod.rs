@@ -5,7 +5,7 @@
 //! they are no vertices, count no edges, and a direction keeps its density beyond them. Connections to lights cross them too, with the product of the transmittances on the way.
 //! Unbiased up to `max_depth`.
 
-mod boundaries;
+pub(super) mod boundaries;
 mod vertex;
 
 pub use boundaries::{Surroundings, inside_at, probe_starts};
@@ -20,13 +20,13 @@ use crate::math::{self, PI, Vec3};
 use crate::medium::{Inside, Medium, flight};
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, material_flags};
-use boundaries::Here;
+use boundaries::resolve;
 use vertex::{Vertex, lead};
 
 /// Groups of sample dimensions of an event (a scattering, or a boundary that is crossed): the flight, the light, the direction.
 const GROUPS: u32 = 3;
 /// Most boundaries that are crossed on one straight way: what would go on for ever between coincident ones ends.
-const CROSSINGS_MAX: u32 = 1 << 12;
+pub(super) const CROSSINGS_MAX: u32 = 1 << 12;
 
 /// The volumetric path tracer for one scene, with the code that it needs (see [`super::TransportCode`]).
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +88,7 @@ struct Connection {
 
 /// The same way, its parameter in metres.
 #[inline(always)]
-fn with_unit_direction(ray: Ray) -> Ray {
+pub(super) fn with_unit_direction(ray: Ray) -> Ray {
     if ray.t_max == f32::MAX {
         return ray;
     }
@@ -134,7 +134,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             state.radiance += state.throughput * Vec3::from_array(self.scene.environment);
             return Query::Done;
         };
-        let (hit, beyond) = self.resolve(&state.ray, hit, state.inside);
+        let (hit, beyond) = resolve(self.scene, &state.ray, hit, state.inside);
         let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &state.ray, &hit) else {
             return Query::Done;
         };
@@ -225,24 +225,6 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         self.scene.material_of(hit.primitive).flags
     }
 
-    /// What a straight way goes through here, and the media beyond it.
-    ///
-    /// A ray leaves a surface from a place a little beyond it, and would miss what lies just there: the face of the next volume, or a wall that volume fills a room up to. So all that lies within that
-    /// step counts: media of all boundaries are crossed, and a surface among them is what is met.
-    #[inline(always)]
-    fn resolve(&self, ray: &Ray, hit: Hit, inside: Inside) -> (Hit, Inside) {
-        let media = self.scene.surfaces.get(hit.primitive as usize).map_or(0, |s| s.media);
-        if media == 0 && self.flags(&hit) & material_flags::PASSES == 0 {
-            return (hit, inside);
-        }
-        self.resolve_boundary(ray, hit, inside)
-    }
-
-    fn resolve_boundary(&self, ray: &Ray, hit: Hit, inside: Inside) -> (Hit, Inside) {
-        let here = Here::new(self.scene, ray, hit, self.flags(&hit) & material_flags::PASSES != 0);
-        (here.met, here.crossed().iter().fold(inside, |inside, c| inside.across(c.media, c.from_front)))
-    }
-
     /// Samples a light and a direction at a vertex.
     #[inline(always)]
     fn scatter(&self, state: &mut VolumeState, vertex: &Vertex<'_>) -> Query {
@@ -316,7 +298,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         {
             return state.follow();
         }
-        let (hit, beyond) = self.resolve(&ray, hit, inside);
+        let (hit, beyond) = resolve(self.scene, &ray, hit, inside);
         if self.flags(&hit) & material_flags::PASSES == 0 {
             return state.follow();
         }

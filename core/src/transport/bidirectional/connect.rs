@@ -1,0 +1,328 @@
+//! Vertices of the two walks joined: what a joint brings, and whether the way is free.
+
+use super::emitters;
+use super::vertex::{From, Vertex, lead};
+use super::weight::{Chain, End, weigh};
+use super::{Bidirectional, CHANCE_GROUPS, GROUPS, LIGHT_GROUPS, Phase, State};
+use crate::bsdf::Interface;
+use crate::geometry::{Ray, SurfacePoint, offset_origin, segment};
+use crate::math::{self, Vec3};
+use crate::medium::{Inside, Medium, flight};
+use crate::scene::material_flags;
+use crate::transport::back::NO_RAY;
+use crate::transport::volume::{CROSSINGS_MAX, boundaries::resolve, with_unit_direction};
+use crate::transport::{Answer, Query, surface_at};
+
+/// What would bring less than this part of what the sample has brought so far is joined by chance.
+const SMALL: f32 = 0.05;
+
+/// One end of a joint: its walk's chain with the densities of the other walk.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weighed {
+    chain: Chain,
+    forward: f32,
+    backward: f32,
+    index: u32,
+}
+
+/// A straight way between two vertices, or to a light or the camera.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Connection {
+    ray: Ray,
+    /// What lies between the surface that the ray leaves and where it starts, and from that surface to the end \[m\].
+    lead: f32,
+    left: f32,
+    inside: Inside,
+    /// What it brings if the rest of the way is free and clear, unweighted.
+    carried: Vec3,
+    /// Mean chance over the channels to fly this far.
+    pass: f32,
+    /// Boundaries on the way so far.
+    crossed: u32,
+    /// Density of the strategy itself; see [`weigh`].
+    scale: f32,
+    ends: [Option<Weighed>; 2],
+    /// Where it lands, if not in the sample's own pixel.
+    pixel: Option<[u32; 2]>,
+}
+
+impl Connection {
+    pub(super) fn nothing() -> Self {
+        Self {
+            ray: NO_RAY,
+            lead: 0.0,
+            left: 0.0,
+            inside: Inside::NOTHING,
+            carried: Vec3::ZERO,
+            pass: 1.0,
+            crossed: 0,
+            scale: 1.0,
+            ends: [None; 2],
+            pixel: None,
+        }
+    }
+}
+
+/// A segment from a vertex to a place with a normal (zero: none), both ends off their surfaces.
+#[inline(always)]
+fn between(from: &Vertex, to: &SurfacePoint, normal: Vec3, wi: Vec3, distance: f32) -> Ray {
+    let origin = offset_origin(&from.point.within(distance), from.normal(), wi);
+    let end = if normal == Vec3::ZERO { to.position } else { offset_origin(&to.within(distance), normal, -wi) };
+    segment(if from.normal() == Vec3::ZERO { from.position() } else { origin }, end)
+}
+
+impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_, VOLUME, LOBES, DETAIL> {
+    /// A vertex of the light's walk joined to the camera.
+    #[inline(always)]
+    pub(super) fn splat(&self, state: &mut State, vertex: &Vertex) -> Option<Query> {
+        let camera = self.scene.camera.as_ref().filter(|_| !state.probe)?;
+        if !vertex.connects() || !self.settings.uses(vertex.index + 1, 1) {
+            return None;
+        }
+        let lens = if camera.lens_radius > 0.0 {
+            camera.sample_lens(state.sampler.group2(LIGHT_GROUPS + GROUPS * state.walk.event + 1))
+        } else {
+            Vec3::from_array(camera.position)
+        };
+        let pixel = camera.pixel(lens, vertex.position())?;
+        let to = lens - vertex.position();
+        let d2 = to.length_squared();
+        let distance = math::sqrt(d2);
+        let wi = to / distance;
+        let pdf = camera.pdf_solid_angle(-wi);
+        let (f, densities) = vertex.scattering::<LOBES, DETAIL>(From::Light, wi);
+        let carried = vertex.carried * f * (pdf / d2);
+        let end = Weighed {
+            chain: vertex.chain,
+            forward: pdf * vertex.facing(wi, d2),
+            backward: densities[1],
+            index: vertex.index,
+        };
+        let point = SurfacePoint { position: lens, extent: 0.0 };
+        let ray = between(vertex, &point, Vec3::ZERO, wi, distance);
+        self.launch(state, vertex, Connection {
+            ray,
+            left: distance,
+            carried,
+            ends: [Some(end), None],
+            pixel: Some(pixel),
+            ..Connection::nothing()
+        })
+    }
+
+    /// The sensor's last vertex joined to a sampled light.
+    #[inline(always)]
+    fn join_light(&self, state: &mut State) -> Option<Query> {
+        let vertex = state.vertex;
+        if !self.settings.uses(1, vertex.index + 1) || self.scene.lights.is_empty() {
+            return None;
+        }
+        let group = 1 + GROUPS * (state.walk.event.wrapping_sub(1)) + 1;
+        let [pick, u, v, _] = state.sampler.bits4(group);
+        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
+        let (index, s) = emitters::sample(self.scene, vertex.position(), pick, u)?;
+        let light = &self.scene.lights[index as usize];
+        let (f, densities) = vertex.scattering::<LOBES, DETAIL>(From::Sensor, s.wi);
+        let carried = vertex.carried * f * s.contribution;
+        let to = s.point - vertex.position();
+        let d2 = if s.distant { 1.0 } else { to.length_squared() };
+        let preference = emitters::preference(light, s.pdf, math::abs(s.wi.dot(s.normal)) / d2);
+        let own = Weighed {
+            chain: vertex.chain,
+            forward: self.emitters.pdf_towards(light, s.wi, s.normal) * vertex.facing(s.wi, d2) / preference,
+            backward: densities[1],
+            index: vertex.index,
+        };
+        let met = s.pdf > 0.0;
+        let chain = Chain { pdf: if met { s.pdf } else { 1.0 }, open: if met { 1.0 } else { 0.0 }, ..Chain::default() };
+        let other = Weighed { chain, forward: densities[0], backward: 0.0, index: 0 };
+        let (ray, left) = if s.distant {
+            let origin = vertex.leave(s.wi);
+            (Ray { origin, direction: s.wi, t_max: f32::MAX }, f32::INFINITY)
+        } else {
+            let distance = math::sqrt(d2);
+            let point = SurfacePoint { position: s.point, extent: s.extent };
+            (between(&vertex, &point, s.normal, s.wi, distance), distance)
+        };
+        self.launch(state, &vertex, Connection { ray, left, carried, ends: [Some(other), Some(own)], ..Connection::nothing() })
+    }
+
+    /// The sensor's last vertex joined to one of the light's.
+    #[inline(always)]
+    fn join_vertex(&self, state: &mut State, number: usize) -> Option<Query> {
+        let (eye, light) = (&state.vertex, &state.vertices[number]);
+        let edges = eye.edges.saturating_add(light.edges).saturating_add(1);
+        if edges > self.settings.max_depth || !self.settings.uses(light.index + 1, eye.index + 1) {
+            return None;
+        }
+        let to = light.position() - eye.position();
+        let d2 = to.length_squared();
+        if !(f32::MIN_POSITIVE..=f32::MAX).contains(&d2) {
+            return None;
+        }
+        let distance = math::sqrt(d2);
+        let wi = to / distance;
+        let (f, densities) = eye.scattering::<LOBES, DETAIL>(From::Sensor, wi);
+        if f == Vec3::ZERO {
+            return None;
+        }
+        let (g, back) = light.scattering::<LOBES, DETAIL>(From::Light, -wi);
+        let mut carried = eye.carried * f * (light.carried * g) / d2;
+        if VOLUME && eye.coloured && light.coloured {
+            // Both stand for three colours.
+            carried *= 1.0 / 3.0;
+        }
+        let ends = [
+            Weighed {
+                chain: light.chain,
+                forward: densities[0] * light.facing(wi, d2),
+                backward: back[1],
+                index: light.index,
+            },
+            Weighed { chain: eye.chain, forward: back[0] * eye.facing(wi, d2), backward: densities[1], index: eye.index },
+        ];
+        let ray = between(eye, &light.point, light.normal(), wi, distance);
+        let connection = Connection { ray, left: distance, carried, ends: ends.map(Some), ..Connection::nothing() };
+        let eye = *eye;
+        self.launch(state, &eye, connection)
+    }
+
+    /// The next joint of the sensor's last vertex from this one on: 0 is that to a light.
+    #[inline(always)]
+    pub(super) fn join_from(&self, state: &mut State, first: u32) -> Query {
+        if state.vertex.connects() && state.vertex.edges < self.settings.max_depth {
+            for number in first..=state.vertices.len() as u32 {
+                let query = match number {
+                    0 => self.join_light(state),
+                    n => self.join_vertex(state, n as usize - 1),
+                };
+                if let Some(query) = query {
+                    state.phase = Phase::Join(number);
+                    return query;
+                }
+            }
+        }
+        self.follow_sensor(state)
+    }
+
+    #[inline(always)]
+    fn weight(&self, state: &State, connection: &Connection) -> f32 {
+        if self.settings.only.is_some() {
+            return 1.0;
+        }
+        let end = |k: usize| {
+            connection.ends[k].as_ref().map(|e| End {
+                chain: &e.chain,
+                forward: e.forward,
+                backward: e.backward,
+                index: e.index as usize,
+                links: &state.links[k],
+            })
+        };
+        weigh(self.settings.heuristic, connection.scale, connection.pass, [end(0), end(1)])
+    }
+
+    /// Sends a joint on its way, if it can bring anything.
+    #[inline(always)]
+    fn launch(&self, state: &mut State, from: &Vertex, mut connection: Connection) -> Option<Query> {
+        if connection.carried == Vec3::ZERO || !connection.carried.is_finite() {
+            return None;
+        }
+        let weight = self.weight(state, &connection);
+        let brings = math::mean(connection.carried) * weight;
+        let enough = SMALL * math::mean(state.radiance);
+        if brings < enough && connection.pixel.is_none() && self.settings.only.is_none() {
+            let chance = brings / enough;
+            let number = (connection.ends[0].map_or(0, |e| e.index) << 12).wrapping_add(from.index);
+            let [u, _] = state.sampler.group2(CHANCE_GROUPS + number);
+            if u >= chance {
+                return None;
+            }
+            connection.carried /= chance;
+        }
+        if VOLUME {
+            connection.ray = with_unit_direction(connection.ray);
+            connection.lead = from.lead(connection.ray.origin, connection.ray.direction);
+            connection.inside = from.media(connection.ray.direction);
+            state.connection = connection;
+            return Some(Query::Closest(connection.ray));
+        }
+        connection.carried *= weight;
+        state.connection = connection;
+        Some(Query::Shadow(connection.ray))
+    }
+
+    /// A joint has reached its end or something in the way.
+    #[inline(always)]
+    pub(super) fn join(&self, state: &mut State, answer: Answer) -> Query {
+        match answer {
+            Answer::Occluded(false) => self.arrived(state, 1.0),
+            Answer::Occluded(true) => {}
+            Answer::Closest(hit) => {
+                if let Some(query) = self.join_on(state, hit) {
+                    return query;
+                }
+            }
+        }
+        match state.phase {
+            Phase::Splat => self.follow_light(state),
+            Phase::Join(number) => self.join_from(state, number + 1),
+            _ => Query::Done,
+        }
+    }
+
+    #[inline(always)]
+    fn arrived(&self, state: &mut State, weight: f32) {
+        let value = state.connection.carried * weight;
+        match state.connection.pixel {
+            Some(pixel) => state.splat = Some((pixel, value)),
+            None => state.radiance += value,
+        }
+    }
+
+    /// The next part of a joint through media and boundaries; `None` where it is at its end.
+    #[inline]
+    fn join_on(&self, state: &mut State, hit: Option<crate::geometry::Hit>) -> Option<Query> {
+        let Connection { ray, lead: before, left, inside, crossed, .. } = state.connection;
+        let length = hit.map_or(left, |h| before + h.t);
+        if let Some(medium) = inside.current(self.scene).map(Medium::new) {
+            let through = flight::transmittance(medium.sigma_t, length);
+            state.connection.carried *= through;
+            state.connection.pass *= math::mean(through);
+        }
+        let Some(hit) = hit else {
+            let weight = self.weight(state, &state.connection);
+            self.arrived(state, weight);
+            return None;
+        };
+        let passes = |hit: &crate::geometry::Hit| self.flags(hit) & material_flags::PASSES != 0;
+        if state.connection.carried == Vec3::ZERO || !passes(&hit) || crossed >= CROSSINGS_MAX {
+            return None;
+        }
+        let (hit, beyond) = resolve(self.scene, &ray, hit, inside);
+        if !passes(&hit) {
+            return None;
+        }
+        let surface = surface_at::<LOBES, DETAIL, DETAIL>(self.scene, &ray, &hit)?;
+        if let Interface::Pane { reflect, transmit } = surface.interface {
+            let (r, t) = (math::mean(reflect), math::mean(transmit));
+            state.connection.carried *= transmit;
+            state.connection.pass *= if t > 0.0 { t / (r + t) } else { 0.0 };
+        }
+        let origin = surface.leave(ray.direction);
+        // The way ends where it ended before.
+        let t_max = if ray.t_max < f32::MAX {
+            ray.t_max - (origin - ray.origin).dot(ray.direction)
+        } else {
+            ray.t_max
+        };
+        let next = Ray { origin, t_max, ..ray };
+        let connection = &mut state.connection;
+        connection.ray = next;
+        connection.lead = lead((surface.point.position, surface.geometric), origin, ray.direction);
+        connection.left = math::max(left - length, 0.0);
+        connection.inside = beyond;
+        connection.crossed = crossed + 1;
+        Some(Query::Closest(next))
+    }
+}

@@ -1,0 +1,157 @@
+//! Where walks from lights start, and how likely.
+
+use crate::geometry::{Aabb, BoxTree, Intersector, Ray};
+use crate::light::{self, emit};
+use crate::math::{self, PI, Vec3};
+use crate::medium::Inside;
+use crate::sampling::discrete;
+use crate::scene::{CompiledScene, LightKind, LightRecord, NO_INDEX};
+use crate::transport::volume::inside_at;
+use alloc::vec::Vec;
+
+/// The start of a walk from a light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    pub light: u32,
+    pub ray: Ray,
+    /// Place on the light; of what comes from infinity, unused.
+    pub position: Vec3,
+    /// Unit normal there; zero for lights without size.
+    pub normal: Vec3,
+    /// What the walk carries: flux over the chance of the light.
+    pub carried: Vec3,
+    /// Density of the place, the choice of the light included: per area, or 1 for what has none.
+    pub pdf_place: f32,
+    /// Density of the direction per solid angle; of what comes from infinity, of the place in the beam per area.
+    pub pdf_direction: f32,
+}
+
+/// What the lights of a scene are to walks.
+#[derive(Clone, Debug)]
+pub(super) struct Emitters {
+    pub sphere: (Vec3, f32),
+    /// The media that each light sends into, where that is the same all over it.
+    inside: Vec<Option<Inside>>,
+    outside: Inside,
+}
+
+/// At infinity.
+#[inline(always)]
+pub(super) fn is_distant(light: &LightRecord) -> bool {
+    light.kind == LightKind::Directional as u32
+}
+
+/// A ray can meet it by chance.
+#[inline(always)]
+pub(super) fn is_met(light: &LightRecord) -> bool {
+    light.area > 0.0
+}
+
+/// Density of the place that emission draws on a light, the choice of the light included: per area, or its chance where it has none.
+#[inline(always)]
+pub(super) fn pdf_place(light: &LightRecord) -> f32 {
+    if light.area > 0.0 { light.pmf / light.area } else { light.pmf }
+}
+
+/// By how much light sampling at a point is likelier to draw a place on a light than emission is: 1 but for spheres, of which it draws what is seen.
+/// `pdf`: density of the direction there per solid angle, `facing`: cosine at the light over the squared distance.
+#[inline(always)]
+pub(super) fn preference(light: &LightRecord, pdf: f32, facing: f32) -> f32 {
+    if light.kind == LightKind::Sphere as u32 { pdf * facing / pdf_place(light) } else { 1.0 }
+}
+
+impl Emitters {
+    /// Of a scene; `outside`: the media around it.
+    pub(super) fn new<I: Intersector + ?Sized>(scene: &CompiledScene, intersector: &I, outside: Inside) -> Self {
+        let mut out = Self { sphere: scene.bounding_sphere(), inside: Vec::new(), outside };
+        if !scene.needs.media {
+            return out;
+        }
+        let primitives = scene.primitives();
+        let holds = |id: &u32| scene.surfaces[*id as usize].media != 0;
+        let boundaries =
+            BoxTree::new((0..primitives.count() as u32).filter(holds).map(|id| (primitives.bounds(id), id)));
+        for light in &scene.lights {
+            let start = emit::emit(light, out.sphere, [0.37, 0.41, 0.5, 0.25]).ray.origin;
+            let bounds = if light.primitive == NO_INDEX {
+                Aabb { lo: start, hi: start }
+            } else {
+                let pair = light.kind == LightKind::Parallelogram as u32;
+                let first = primitives.bounds(light.primitive);
+                if pair { first.union(primitives.bounds(light.primitive + 1)) } else { first }
+            };
+            let same = light.area <= 0.0 || !boundaries.touches(&bounds);
+            let inside = if is_distant(light) { outside } else { inside_at(scene, intersector, outside, start) };
+            out.inside.push(same.then_some(inside));
+        }
+        out
+    }
+
+    /// A start, from a full random number that chooses the light and four in [0, 1). `None` where nothing is sent.
+    #[inline(always)]
+    pub(super) fn start(&self, scene: &CompiledScene, pick: u32, u: [f32; 4]) -> Option<Start> {
+        let index = pick_light(scene, pick)?;
+        let light = &scene.lights[index];
+        let emission = emit::emit(light, self.sphere, u);
+        let direction = emission.ray.direction;
+        let at = Vec3::from_array(light.point);
+        let (position, normal) = if light.kind == LightKind::Sphere as u32 {
+            let out = math::normalize_or(emission.ray.origin - at, Vec3::ZERO);
+            (at + out * light.params[0], out)
+        } else if light.area > 0.0 {
+            // The ray starts beside the surface along its normal.
+            let normal = Vec3::from_array(light.normal);
+            (emission.ray.origin - normal * (emission.ray.origin - at).dot(normal), normal)
+        } else {
+            (at, Vec3::ZERO)
+        };
+        let (_, radius) = self.sphere;
+        let pdf_direction = if is_distant(light) { 1.0 / (PI * radius * radius) } else { emit::pdf_direction(light, direction, normal) };
+        let carried = emission.flux / light.pmf;
+        (carried != Vec3::ZERO && carried.is_finite() && pdf_direction > 0.0).then_some(Start {
+            light: index as u32,
+            ray: emission.ray,
+            position,
+            normal,
+            carried,
+            pdf_place: pdf_place(light),
+            pdf_direction,
+        })
+    }
+
+    /// The media in which a start lies.
+    pub(super) fn media<I: Intersector + ?Sized>(&self, scene: &CompiledScene, intersector: &I, start: &Start) -> Inside {
+        match self.inside.get(start.light as usize) {
+            Some(Some(inside)) => *inside,
+            Some(None) => inside_at(scene, intersector, self.outside, start.ray.origin),
+            None => self.outside,
+        }
+    }
+
+    /// What is sent from a light to a vertex that it lights: the density per solid angle, or per area of a beam, by which emission draws it. `wi`: unit direction to the light.
+    #[inline(always)]
+    pub(super) fn pdf_towards(&self, light: &LightRecord, wi: Vec3, normal: Vec3) -> f32 {
+        if is_distant(light) {
+            return 1.0 / (PI * self.sphere.1 * self.sphere.1);
+        }
+        emit::pdf_direction(light, -wi, normal)
+    }
+}
+
+/// Number of a light that is picked as light sampling picks it.
+#[inline(always)]
+pub(super) fn pick_light(scene: &CompiledScene, pick: u32) -> Option<usize> {
+    let index = if scene.lights.len() == 1 {
+        0
+    } else {
+        discrete::pick_in(&scene.light_cumulative, pick).index as usize
+    };
+    (index < scene.lights.len()).then_some(index)
+}
+
+/// A light, and a place on it seen from `p`.
+#[inline(always)]
+pub(super) fn sample(scene: &CompiledScene, p: Vec3, pick: u32, u: [f32; 2]) -> Option<(u32, light::LightSample)> {
+    let index = pick_light(scene, pick)?;
+    Some((index as u32, light::sample(&scene.lights[index], p, u)?))
+}
