@@ -8,8 +8,8 @@ use crate::schedule::{image_chunks, run_blocks, single_chunks};
 use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{
-    self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob, PhotonJob,
-    PhotonStart, Probe, Session,
+    self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob,
+    PhotonJob, PhotonStart, Probe, Session,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::illumination::{ElementSettings, Elements, Sides};

@@ -54,7 +54,8 @@ fn golden_job(seed: u64, samples: u32) -> PathJob {
 /// When the scene cannot be rendered.
 pub fn produce(scene: &GoldenScene) -> Result<String, BackendError> {
     let compiled = compiled(&scene.scene)?;
-    let film = render(&ReferenceBackend, Estimator::Path, &compiled, None, &golden_job(0x601d, GOLDEN_SAMPLES))?;
+    let film =
+        render(&ReferenceBackend, Estimator::Path, &compiled, None, &golden_job(0x601d, GOLDEN_SAMPLES))?;
     let settings = film.settings();
     let mut text = format!(
         "# {}: {} x {}, {} samples; per pixel: mean r g b, standard error r g b\n",

@@ -54,7 +54,8 @@ pub fn check(backend: &dyn Backend, level: Level) -> Result<Vec<Finding>, Backen
     for case in all.iter().filter(|c| MOVED.contains(&c.name.as_str())) {
         for (scale, shift, rounding) in TRANSFORMS {
             let name = format!("invariance/{}/scale_{scale:e}_shift_{shift:e}", case.name);
-            let found = analytic::check(backend, Estimator::Path, &moved(case, scale, shift, rounding), level)?;
+            let found =
+                analytic::check(backend, Estimator::Path, &moved(case, scale, shift, rounding), level)?;
             out.extend(found.into_iter().map(|(_, passed, detail)| (name.clone(), passed, detail)));
         }
     }

@@ -33,7 +33,8 @@ fn films_equal_the_reference_bit_for_bit() {
             let scene = compiled(&case.scene).expect("a good scene");
             let job = PathJob { max_depth: case.max_depth, ..job() };
             let ours = render(&cpu(), Estimator::Path, &scene, Some(probes), &job).expect("surfaces only");
-            let theirs = render(&ReferenceBackend, Estimator::Path, &scene, Some(probes), &job).expect("surfaces only");
+            let theirs = render(&ReferenceBackend, Estimator::Path, &scene, Some(probes), &job)
+                .expect("surfaces only");
             assert!(ours == theirs, "{}", case.name);
         }
     }

@@ -284,7 +284,9 @@ fn trio_mutants_are_caught_by_properties() {
 fn analytic_failures(backend: &dyn Backend, names: &[&str]) -> Vec<String> {
     let mut failed = Vec::new();
     for case in analytic::cases().iter().filter(|c| names.contains(&c.name.as_str())) {
-        for (name, passed, detail) in analytic::check(backend, Estimator::Path, case, Level::Quick).expect("surfaces only") {
+        for (name, passed, detail) in
+            analytic::check(backend, Estimator::Path, case, Level::Quick).expect("surfaces only")
+        {
             if !passed {
                 failed.push(format!("{name}: {detail}"));
             }
@@ -340,8 +342,10 @@ fn goldens_catch_what_they_are_for() {
         ("terrace", &[Fault::SrgbNotDecoded]),
     ] {
         let scene = golden::scenes().into_iter().find(|s| s.name == name).expect("scenes have these names");
-        let of =
-            |fault| golden::check(&TracerBackend { fault }, Estimator::Path, &scene, Level::Quick).expect("surfaces only");
+        let of = |fault| {
+            golden::check(&TracerBackend { fault }, Estimator::Path, &scene, Level::Quick)
+                .expect("surfaces only")
+        };
         for fault in faults {
             let found = of(Some(*fault));
             assert!(found.iter().any(|f| !f.1), "{fault:?} passes {name}: {found:?}");

@@ -13,7 +13,9 @@ mod photon;
 pub mod radiosity;
 
 use crate::metrics::statistics;
-use etendue_core::backend::{self, BackendError, BidirectionalJob, Control, JobStats, PathJob, Probe, Session};
+use etendue_core::backend::{
+    self, BackendError, BidirectionalJob, Control, JobStats, PathJob, Probe, Session,
+};
 use etendue_core::film::Film;
 use etendue_core::transport::bidirectional::Heuristic;
 use std::ops::{ControlFlow, Range};

@@ -2,13 +2,15 @@
 
 use super::emitters;
 use super::vertex::{From, Vertex, lead};
-use super::weight::{Chain, End, weigh};
+use super::weight::{Chain, End, Links, weigh};
 use super::{Bidirectional, CHANCE_GROUPS, GROUPS, LIGHT_GROUPS, Phase, State};
 use crate::bsdf::Interface;
 use crate::geometry::{Ray, SurfacePoint, offset_origin, segment};
+use crate::light::LightSample;
 use crate::math::{self, Vec3};
 use crate::medium::{Inside, Medium, flight};
-use crate::scene::material_flags;
+use crate::scene::{LightRecord, material_flags};
+use crate::sensor::Camera;
 use crate::transport::back::NO_RAY;
 use crate::transport::volume::{CROSSINGS_MAX, boundaries::resolve, with_unit_direction};
 use crate::transport::{Answer, Query, surface_at};
@@ -39,8 +41,6 @@ pub(super) struct Connection {
     pass: f32,
     /// Boundaries on the way so far.
     crossed: u32,
-    /// Density of the strategy itself; see [`weigh`].
-    scale: f32,
     ends: [Option<Weighed>; 2],
     /// Where it lands, if not in the sample's own pixel.
     pixel: Option<[u32; 2]>,
@@ -56,7 +56,6 @@ impl Connection {
             carried: Vec3::ZERO,
             pass: 1.0,
             crossed: 0,
-            scale: 1.0,
             ends: [None; 2],
             pixel: None,
         }
@@ -65,65 +64,47 @@ impl Connection {
 
 /// A segment from a vertex to a place with a normal (zero: none), both ends off their surfaces.
 #[inline(always)]
-fn between(from: &Vertex, to: &SurfacePoint, normal: Vec3, wi: Vec3, distance: f32) -> Ray {
+fn between(from: &Vertex, to: &SurfacePoint, normal: Vec3, exchange: &Exchange) -> Ray {
+    let Exchange { wi, distance, .. } = *exchange;
     let origin = offset_origin(&from.point.within(distance), from.normal(), wi);
-    let end = if normal == Vec3::ZERO { to.position } else { offset_origin(&to.within(distance), normal, -wi) };
+    let end =
+        if normal == Vec3::ZERO { to.position } else { offset_origin(&to.within(distance), normal, -wi) };
     segment(if from.normal() == Vec3::ZERO { from.position() } else { origin }, end)
 }
 
+/// What two vertices exchange if nothing is between them: unweighted, and what its weight needs to know.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exchange {
+    pub carried: Vec3,
+    pub ends: [Option<Weighed>; 2],
+    /// Unit direction from the vertex that the ray leaves, and the distance \[m\].
+    wi: Vec3,
+    distance: f32,
+}
+
 impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_, VOLUME, LOBES, DETAIL> {
-    /// A vertex of the light's walk joined to the camera.
+    /// Between a vertex of the light's walk and a point of the lens.
     #[inline(always)]
-    pub(super) fn splat(&self, state: &mut State, vertex: &Vertex) -> Option<Query> {
-        let camera = self.scene.camera.as_ref().filter(|_| !state.probe)?;
-        if !vertex.connects() || !self.settings.uses(vertex.index + 1, 1) {
-            return None;
-        }
-        let lens = if camera.lens_radius > 0.0 {
-            camera.sample_lens(state.sampler.group2(LIGHT_GROUPS + GROUPS * state.walk.event + 1))
-        } else {
-            Vec3::from_array(camera.position)
-        };
-        let pixel = camera.pixel(lens, vertex.position())?;
+    pub(super) fn with_camera(&self, camera: &Camera, vertex: &Vertex, lens: Vec3) -> Exchange {
         let to = lens - vertex.position();
         let d2 = to.length_squared();
         let distance = math::sqrt(d2);
         let wi = to / distance;
         let pdf = camera.pdf_solid_angle(-wi);
         let (f, densities) = vertex.scattering::<LOBES, DETAIL>(From::Light, wi);
-        let carried = vertex.carried * f * (pdf / d2);
         let end = Weighed {
             chain: vertex.chain,
             forward: pdf * vertex.facing(wi, d2),
             backward: densities[1],
             index: vertex.index,
         };
-        let point = SurfacePoint { position: lens, extent: 0.0 };
-        let ray = between(vertex, &point, Vec3::ZERO, wi, distance);
-        self.launch(state, vertex, Connection {
-            ray,
-            left: distance,
-            carried,
-            ends: [Some(end), None],
-            pixel: Some(pixel),
-            ..Connection::nothing()
-        })
+        Exchange { carried: vertex.carried * f * (pdf / d2), ends: [Some(end), None], wi, distance }
     }
 
-    /// The sensor's last vertex joined to a sampled light.
+    /// Between a vertex of the sensor's walk and a place on a light.
     #[inline(always)]
-    fn join_light(&self, state: &mut State) -> Option<Query> {
-        let vertex = state.vertex;
-        if !self.settings.uses(1, vertex.index + 1) || self.scene.lights.is_empty() {
-            return None;
-        }
-        let group = 1 + GROUPS * (state.walk.event.wrapping_sub(1)) + 1;
-        let [pick, u, v, _] = state.sampler.bits4(group);
-        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
-        let (index, s) = emitters::sample(self.scene, vertex.position(), pick, u)?;
-        let light = &self.scene.lights[index as usize];
+    pub(super) fn with_light(&self, vertex: &Vertex, light: &LightRecord, s: &LightSample) -> Exchange {
         let (f, densities) = vertex.scattering::<LOBES, DETAIL>(From::Sensor, s.wi);
-        let carried = vertex.carried * f * s.contribution;
         let to = s.point - vertex.position();
         let d2 = if s.distant { 1.0 } else { to.length_squared() };
         let preference = emitters::preference(light, s.pdf, math::abs(s.wi.dot(s.normal)) / d2);
@@ -133,28 +114,23 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
             backward: densities[1],
             index: vertex.index,
         };
+        // Densities of the place on the light are over that of light sampling here.
         let met = s.pdf > 0.0;
-        let chain = Chain { pdf: if met { s.pdf } else { 1.0 }, open: if met { 1.0 } else { 0.0 }, ..Chain::default() };
+        let (pdf, open) = if met { (s.pdf, 1.0) } else { (1.0, 0.0) };
+        let chain = Chain { pdf, open, ..Chain::default() };
         let other = Weighed { chain, forward: densities[0], backward: 0.0, index: 0 };
-        let (ray, left) = if s.distant {
-            let origin = vertex.leave(s.wi);
-            (Ray { origin, direction: s.wi, t_max: f32::MAX }, f32::INFINITY)
-        } else {
-            let distance = math::sqrt(d2);
-            let point = SurfacePoint { position: s.point, extent: s.extent };
-            (between(&vertex, &point, s.normal, s.wi, distance), distance)
-        };
-        self.launch(state, &vertex, Connection { ray, left, carried, ends: [Some(other), Some(own)], ..Connection::nothing() })
+        let distance = if s.distant { f32::INFINITY } else { math::sqrt(d2) };
+        Exchange {
+            carried: vertex.carried * f * s.contribution,
+            ends: [Some(other), Some(own)],
+            wi: s.wi,
+            distance,
+        }
     }
 
-    /// The sensor's last vertex joined to one of the light's.
+    /// Between vertices of the two walks.
     #[inline(always)]
-    fn join_vertex(&self, state: &mut State, number: usize) -> Option<Query> {
-        let (eye, light) = (&state.vertex, &state.vertices[number]);
-        let edges = eye.edges.saturating_add(light.edges).saturating_add(1);
-        if edges > self.settings.max_depth || !self.settings.uses(light.index + 1, eye.index + 1) {
-            return None;
-        }
+    pub(super) fn between_walks(&self, eye: &Vertex, light: &Vertex) -> Option<Exchange> {
         let to = light.position() - eye.position();
         let d2 = to.length_squared();
         if !(f32::MIN_POSITIVE..=f32::MAX).contains(&d2) {
@@ -172,19 +148,74 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
             // Both stand for three colours.
             carried *= 1.0 / 3.0;
         }
-        let ends = [
-            Weighed {
-                chain: light.chain,
-                forward: densities[0] * light.facing(wi, d2),
-                backward: back[1],
-                index: light.index,
-            },
-            Weighed { chain: eye.chain, forward: back[0] * eye.facing(wi, d2), backward: densities[1], index: eye.index },
-        ];
-        let ray = between(eye, &light.point, light.normal(), wi, distance);
-        let connection = Connection { ray, left: distance, carried, ends: ends.map(Some), ..Connection::nothing() };
+        let theirs = Weighed {
+            chain: light.chain,
+            forward: densities[0] * light.facing(wi, d2),
+            backward: back[1],
+            index: light.index,
+        };
+        let ours = Weighed {
+            chain: eye.chain,
+            forward: back[0] * eye.facing(wi, d2),
+            backward: densities[1],
+            index: eye.index,
+        };
+        Some(Exchange { carried, ends: [Some(theirs), Some(ours)], wi, distance })
+    }
+
+    /// A vertex of the light's walk joined to the camera.
+    #[inline(always)]
+    pub(super) fn splat(&self, state: &mut State, vertex: &Vertex) -> Option<Query> {
+        let camera = self.scene.camera.as_ref().filter(|_| !state.probe)?;
+        if !vertex.connects() || !self.settings.uses(vertex.index + 1, 1) {
+            return None;
+        }
+        let lens = if camera.lens_radius > 0.0 {
+            camera.sample_lens(state.sampler.group2(LIGHT_GROUPS + GROUPS * state.walk.event + 1))
+        } else {
+            Vec3::from_array(camera.position)
+        };
+        let pixel = camera.pixel(lens, vertex.position())?;
+        let exchange = self.with_camera(camera, vertex, lens);
+        let point = SurfacePoint { position: lens, extent: 0.0 };
+        let ray = between(vertex, &point, Vec3::ZERO, &exchange);
+        self.launch(state, vertex, &exchange, ray, Some(pixel))
+    }
+
+    /// The sensor's last vertex joined to a sampled light.
+    #[inline(always)]
+    fn join_light(&self, state: &mut State) -> Option<Query> {
+        let vertex = state.vertex;
+        if !self.settings.uses(1, vertex.index + 1) || self.scene.lights.is_empty() {
+            return None;
+        }
+        // The walk has been sent on already.
+        let group = 1 + GROUPS * state.walk.event.wrapping_sub(1) + 1;
+        let [pick, u, v, _] = state.sampler.bits4(group);
+        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
+        let (index, s) = emitters::sample(self.scene, vertex.position(), pick, u)?;
+        let exchange = self.with_light(&vertex, &self.scene.lights[index as usize], &s);
+        let ray = if s.distant {
+            Ray { origin: vertex.leave(s.wi), direction: s.wi, t_max: f32::MAX }
+        } else {
+            let point = SurfacePoint { position: s.point, extent: s.extent };
+            between(&vertex, &point, s.normal, &exchange)
+        };
+        self.launch(state, &vertex, &exchange, ray, None)
+    }
+
+    /// The sensor's last vertex joined to one of the light's.
+    #[inline(always)]
+    fn join_vertex(&self, state: &mut State, number: usize) -> Option<Query> {
+        let (eye, light) = (&state.vertex, &state.vertices[number]);
+        let edges = eye.edges.saturating_add(light.edges).saturating_add(1);
+        if edges > self.settings.max_depth || !self.settings.uses(light.index + 1, eye.index + 1) {
+            return None;
+        }
+        let exchange = self.between_walks(eye, light)?;
+        let ray = between(eye, &light.point, light.normal(), &exchange);
         let eye = *eye;
-        self.launch(state, &eye, connection)
+        self.launch(state, &eye, &exchange, ray, None)
     }
 
     /// The next joint of the sensor's last vertex from this one on: 0 is that to a light.
@@ -206,29 +237,39 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     #[inline(always)]
-    fn weight(&self, state: &State, connection: &Connection) -> f32 {
+    pub(super) fn weight(&self, links: &[Links; 2], ends: &[Option<Weighed>; 2], pass: f32) -> f32 {
         if self.settings.only.is_some() {
             return 1.0;
         }
         let end = |k: usize| {
-            connection.ends[k].as_ref().map(|e| End {
+            ends[k].as_ref().map(|e| End {
                 chain: &e.chain,
                 forward: e.forward,
                 backward: e.backward,
                 index: e.index as usize,
-                links: &state.links[k],
+                links: &links[k],
             })
         };
-        weigh(self.settings.heuristic, connection.scale, connection.pass, [end(0), end(1)])
+        weigh(self.settings.heuristic, pass, [end(0), end(1)])
     }
 
     /// Sends a joint on its way, if it can bring anything.
     #[inline(always)]
-    fn launch(&self, state: &mut State, from: &Vertex, mut connection: Connection) -> Option<Query> {
-        if connection.carried == Vec3::ZERO || !connection.carried.is_finite() {
+    fn launch(
+        &self,
+        state: &mut State,
+        from: &Vertex,
+        exchange: &Exchange,
+        ray: Ray,
+        pixel: Option<[u32; 2]>,
+    ) -> Option<Query> {
+        let Exchange { carried, ends, distance, .. } = *exchange;
+        if carried == Vec3::ZERO || !carried.is_finite() {
             return None;
         }
-        let weight = self.weight(state, &connection);
+        let mut connection =
+            Connection { ray, left: distance, carried, ends, pixel, ..Connection::nothing() };
+        let weight = self.weight(&state.links, &ends, 1.0);
         let brings = math::mean(connection.carried) * weight;
         let enough = SMALL * math::mean(state.radiance);
         if brings < enough && connection.pixel.is_none() && self.settings.only.is_none() {
@@ -291,7 +332,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
             state.connection.pass *= math::mean(through);
         }
         let Some(hit) = hit else {
-            let weight = self.weight(state, &state.connection);
+            let weight = self.weight(&state.links, &state.connection.ends, state.connection.pass);
             self.arrived(state, weight);
             return None;
         };

@@ -62,7 +62,11 @@ pub(super) fn preference(light: &LightRecord, pdf: f32, facing: f32) -> f32 {
 
 impl Emitters {
     /// Of a scene; `outside`: the media around it.
-    pub(super) fn new<I: Intersector + ?Sized>(scene: &CompiledScene, intersector: &I, outside: Inside) -> Self {
+    pub(super) fn new<I: Intersector + ?Sized>(
+        scene: &CompiledScene,
+        intersector: &I,
+        outside: Inside,
+    ) -> Self {
         let mut out = Self { sphere: scene.bounding_sphere(), inside: Vec::new(), outside };
         if !scene.needs.media {
             return out;
@@ -81,7 +85,8 @@ impl Emitters {
                 if pair { first.union(primitives.bounds(light.primitive + 1)) } else { first }
             };
             let same = light.area <= 0.0 || !boundaries.touches(&bounds);
-            let inside = if is_distant(light) { outside } else { inside_at(scene, intersector, outside, start) };
+            let inside =
+                if is_distant(light) { outside } else { inside_at(scene, intersector, outside, start) };
             out.inside.push(same.then_some(inside));
         }
         out
@@ -106,7 +111,11 @@ impl Emitters {
             (at, Vec3::ZERO)
         };
         let (_, radius) = self.sphere;
-        let pdf_direction = if is_distant(light) { 1.0 / (PI * radius * radius) } else { emit::pdf_direction(light, direction, normal) };
+        let pdf_direction = if is_distant(light) {
+            1.0 / (PI * radius * radius)
+        } else {
+            emit::pdf_direction(light, direction, normal)
+        };
         let carried = emission.flux / light.pmf;
         (carried != Vec3::ZERO && carried.is_finite() && pdf_direction > 0.0).then_some(Start {
             light: index as u32,
@@ -120,7 +129,12 @@ impl Emitters {
     }
 
     /// The media in which a start lies.
-    pub(super) fn media<I: Intersector + ?Sized>(&self, scene: &CompiledScene, intersector: &I, start: &Start) -> Inside {
+    pub(super) fn media<I: Intersector + ?Sized>(
+        &self,
+        scene: &CompiledScene,
+        intersector: &I,
+        start: &Start,
+    ) -> Inside {
         match self.inside.get(start.light as usize) {
             Some(Some(inside)) => *inside,
             Some(None) => inside_at(scene, intersector, self.outside, start.ray.origin),
@@ -151,7 +165,12 @@ pub(super) fn pick_light(scene: &CompiledScene, pick: u32) -> Option<usize> {
 
 /// A light, and a place on it seen from `p`.
 #[inline(always)]
-pub(super) fn sample(scene: &CompiledScene, p: Vec3, pick: u32, u: [f32; 2]) -> Option<(u32, light::LightSample)> {
+pub(super) fn sample(
+    scene: &CompiledScene,
+    p: Vec3,
+    pick: u32,
+    u: [f32; 2],
+) -> Option<(u32, light::LightSample)> {
     let index = pick_light(scene, pick)?;
     Some((index as u32, light::sample(&scene.lights[index], p, u)?))
 }

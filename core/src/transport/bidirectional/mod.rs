@@ -234,7 +234,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
             && !self.scene.lights.is_empty()
             && let Some(start) = self.light_start(&sampler)
         {
-            let inside = if VOLUME { self.emitters.media(self.scene, intersector, &start) } else { Inside::NOTHING };
+            let inside =
+                if VOLUME { self.emitters.media(self.scene, intersector, &start) } else { Inside::NOTHING };
             let light = &self.scene.lights[start.light as usize];
             if !emitters::is_distant(light) || inside.is_nothing() {
                 state.phase = Phase::Light;
@@ -262,7 +263,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         walk.chain.pdf = start.pdf_place;
         walk.chain.open = if emitters::is_met(light) { 1.0 } else { 0.0 };
         walk.left = Some([start.pdf_direction, 0.0]);
-        walk.facing = if emitters::is_met(light) { start.ray.direction.dot(start.normal).max(0.0) } else { 0.0 };
+        walk.facing =
+            if emitters::is_met(light) { start.ray.direction.dot(start.normal).max(0.0) } else { 0.0 };
         walk.distant = emitters::is_distant(light);
         if VOLUME && start.normal != Vec3::ZERO {
             walk.lead = vertex::lead((start.position, start.normal), start.ray.origin, start.ray.direction);
@@ -335,7 +337,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
     #[inline(always)]
     fn walk_from_sensor(&self, state: &mut State, hit: Option<Hit>) -> Query {
         let (probe, radiance) = (state.probe, &mut state.radiance);
-        let seen = |walk: &Walk, seen: Seen<'_>, links: &Links| *radiance += self.seen(walk, &seen, probe, links);
+        let seen =
+            |walk: &Walk, seen: Seen<'_>, links: &Links| *radiance += self.seen(walk, &seen, probe, links);
         let own = &mut state.links[1];
         let step = self.arrive(&mut state.walk, hit, &state.sampler, state.channel, own, seen);
         match step {
@@ -394,7 +397,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
                     0.0
                 } else if light.kind == crate::scene::LightKind::Sphere as u32 {
                     let d = *distance;
-                    let pdf = light::pdf_solid_angle(light, walk.origin, walk.ray.direction, d, surface.front);
+                    let pdf =
+                        light::pdf_solid_angle(light, walk.origin, walk.ray.direction, d, surface.front);
                     emitters::preference(light, pdf, surface.wo.dot(surface.front) / (d * d))
                 } else {
                     1.0
@@ -406,7 +410,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
                     index: index as usize,
                     links,
                 };
-                radiance * weigh(self.settings.heuristic, 1.0, 1.0, [Some(end), None])
+                radiance * weigh(self.settings.heuristic, 1.0, [Some(end), None])
             }
         }
     }

@@ -116,7 +116,11 @@ impl Vertex {
     /// f cos for light that goes on to `wi`, per channel: for a walk from the sensor by the shading normal, for one from a light by what makes it the same path (Veach 1997, section 5.3).
     /// In a medium the phase function. And the densities of `wi`, and of the way back if light came from there.
     #[inline(always)]
-    pub(super) fn scattering<const LOBES: bool, const SHADING: bool>(&self, from: From, wi: Vec3) -> (Vec3, [f32; 2]) {
+    pub(super) fn scattering<const LOBES: bool, const SHADING: bool>(
+        &self,
+        from: From,
+        wi: Vec3,
+    ) -> (Vec3, [f32; 2]) {
         match &self.scatterer {
             Scatterer::Medium { g, .. } => {
                 let p = phase::eval(*g, self.wo, wi);

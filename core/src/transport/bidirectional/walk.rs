@@ -87,7 +87,7 @@ impl Walk {
 
     /// The vertex at a place: `facing` what it turns to the walk (cosine or extinction).
     #[inline(always)]
-    fn link<const V: bool, const L: bool, const D: bool>(
+    pub(super) fn link<const V: bool, const L: bool, const D: bool>(
         &self,
         tracer: &Bidirectional<'_, V, L, D>,
         position: Vec3,
@@ -172,7 +172,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
 
     /// Fills in what a vertex has of its walk.
     #[inline(always)]
-    fn vertex(&self, walk: &Walk, vertex: Vertex) -> Vertex {
+    pub(super) fn vertex(&self, walk: &Walk, vertex: Vertex) -> Vertex {
         Vertex {
             carried: walk.carried,
             inside: walk.inside,
@@ -186,12 +186,20 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
 
     /// Sends a walk on from a vertex. False where it ends.
     #[inline(always)]
-    pub(super) fn scatter(&self, walk: &mut Walk, vertex: &Vertex, sampler: &BlockSampler, links: &mut Links) -> bool {
+    pub(super) fn scatter(
+        &self,
+        walk: &mut Walk,
+        vertex: &Vertex,
+        sampler: &BlockSampler,
+        links: &mut Links,
+    ) -> bool {
         let [u, v, lobe, survive] = sampler.group4(self.groups(walk) + 2);
         walk.event += 1;
         // The last edge of a walk from a light is the one to the sensor.
         let room = if walk.from == From::Light { 2 } else { 1 };
-        if vertex.edges.saturating_add(room) > self.settings.max_depth || vertex.index as usize + 2 >= VERTICES_MAX {
+        if vertex.edges.saturating_add(room) > self.settings.max_depth
+            || vertex.index as usize + 2 >= VERTICES_MAX
+        {
             return false;
         }
         let Some((s, left)) = vertex.sample::<LOBES, DETAIL>(walk.from, [u, v], lobe) else { return false };
@@ -239,7 +247,9 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
             return Step::Over;
         }
         let mut weight = passage.weight;
-        if passage.through && let Interface::Pane { reflect, transmit } = surface.interface {
+        if passage.through
+            && let Interface::Pane { reflect, transmit } = surface.interface
+        {
             walk.carried *= weight;
             let (r, t) = (math::mean(reflect), math::mean(transmit));
             walk.pass *= t / (r + t);
@@ -247,7 +257,9 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         }
         walk.event += 1;
         let room = if walk.from == From::Light { 2 } else { 1 };
-        if walk.edges.saturating_add(room) > self.settings.max_depth || walk.index as usize + 3 >= VERTICES_MAX {
+        if walk.edges.saturating_add(room) > self.settings.max_depth
+            || walk.index as usize + 3 >= VERTICES_MAX
+        {
             return Step::Over;
         }
         if walk.from == From::Light {
@@ -290,7 +302,7 @@ pub(super) enum Seen<'a> {
 impl Walk {
     /// Leaves a vertex.
     #[inline(always)]
-    fn leave(&mut self, (index, chain): (u32, &Chain), left: Option<[f32; 2]>, facing: f32) {
+    pub(super) fn leave(&mut self, (index, chain): (u32, &Chain), left: Option<[f32; 2]>, facing: f32) {
         (self.index, self.chain, self.left, self.facing) = (index, *chain, left, facing);
         (self.flown, self.pass, self.crossed, self.distant) = (0.0, 1.0, 0, false);
         self.edges += 1;

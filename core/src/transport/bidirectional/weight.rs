@@ -126,32 +126,33 @@ impl End<'_> {
         each(product * self.chain.open);
         for i in (0..self.index).rev() {
             let last = i + 1 == self.index;
-            product *= if last { at_most(self.backward * self.chain.back, RATIO_MAX) } else { self.links.ratio[i] };
+            product *=
+                if last { at_most(self.backward * self.chain.back, RATIO_MAX) } else { self.links.ratio[i] };
             product = at_most(product, SUM_MAX);
             each(product * self.links.open[i]);
         }
     }
 }
 
-/// Weight of a strategy: `scale` is its own density where that of the same path without light sampling is 1, `pass` the chance to fly along its connection.
+/// Weight of a strategy; `pass` is the chance to fly along its connection.
 #[inline(always)]
-pub(super) fn weigh(heuristic: Heuristic, scale: f32, pass: f32, ends: [Option<End<'_>>; 2]) -> f32 {
+pub(super) fn weigh(heuristic: Heuristic, pass: f32, ends: [Option<End<'_>>; 2]) -> f32 {
     if let Heuristic::Cutoff(part) = heuristic {
-        return list_and_weigh(part, scale, pass, &ends);
+        return list_and_weigh(part, pass, &ends);
     }
     let others = ends.iter().flatten().map(|e| e.chain.others(heuristic, e.forward, e.backward));
     let sum: f32 = others.sum();
-    1.0 / (1.0 + heuristic.of(pass) * sum / heuristic.of(scale))
+    1.0 / (1.0 + heuristic.of(pass) * sum)
 }
 
 /// See [`Heuristic::Cutoff`].
-fn list_and_weigh(part: f32, scale: f32, pass: f32, ends: &[Option<End<'_>>; 2]) -> f32 {
-    let (mut largest, mut sum) = (scale, scale);
+fn list_and_weigh(part: f32, pass: f32, ends: &[Option<End<'_>>; 2]) -> f32 {
+    let (mut largest, mut sum) = (1.0_f32, 1.0);
     ends.iter().flatten().for_each(|e| e.list(pass, &mut |p| largest = largest.max(p)));
     let least = part * largest;
-    if scale < least {
+    if least > 1.0 {
         return 0.0;
     }
     ends.iter().flatten().for_each(|e| e.list(pass, &mut |p| sum += if p >= least { p } else { 0.0 }));
-    scale / sum
+    1.0 / sum
 }
