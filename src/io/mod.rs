@@ -1,6 +1,6 @@
 //! Files in and out: scenes, meshes, bitmaps, images, probe lists and operators. No light transport happens here.
 //!
-//! - [`load_scene`] reads a TOML scene file, or a bare `.obj` or `.ply` mesh, into a
+//! - [`load_scene`] reads a TOML scene file, a Mitsuba 3 scene in XML, or a bare `.obj` or `.ply` mesh, into a
 //!   [`SceneDesc`](etendue_core::scene::SceneDesc) and the [`Note`]s worth telling.
 //! - [`read_exr`] and [`write_exr`] move images; [`write_png`] and [`read_mask`] move 8-bit ones.
 //! - [`read_points`] and [`write_points`] move lists of surface points.
@@ -23,6 +23,7 @@ mod frame;
 mod hash;
 mod ktx2;
 mod mesh;
+mod mitsuba;
 mod mtl;
 mod obj;
 mod operator;
@@ -40,6 +41,7 @@ pub use error::{LoadError, Note, Problem, SaveError};
 pub use exr::{RenderImage, parse_exr, read_exr, write_exr};
 pub use hash::transport_hash;
 pub use ktx2::{BlockFormat, encode_ktx2, write_ktx2};
+pub use mitsuba::{MitsubaOptions, parse_scene_mitsuba};
 pub use mtl::{Mtl, MtlMap, MtlMaterial, parse_mtl};
 pub use obj::{Obj, parse_obj};
 pub use operator::{

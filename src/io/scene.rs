@@ -8,6 +8,7 @@ use etendue_core::scene::{EnvironmentDesc, LightDesc, MaterialKind, SceneDesc};
 use super::error::{LoadError, Note, Problem, quoted};
 use super::frame::frame;
 use super::mesh::{Loader, MeshOptions, MtlMode};
+use super::mitsuba::{MitsubaOptions, parse_scene_mitsuba};
 use super::scene_fields as fields;
 use super::source::{DiskSource, FileSource, read_file};
 use super::toml_view::{Doc, Section};
@@ -22,9 +23,12 @@ pub struct LoadedScene {
     pub desc: SceneDesc,
     /// What was mended, left out or assumed, in the order of reading.
     pub notes: Vec<Note>,
+    /// How long the file means paths to be at most, in edges; for whoever renders it.
+    pub max_depth: Option<u32>,
 }
 
-/// Reads a scene: a TOML scene file, or a mesh (see [`parse_mesh_scene`]), by the end of its name.
+/// Reads a scene by the end of its name: a TOML scene file, a Mitsuba scene in XML, or a mesh (see
+/// [`parse_mesh_scene`]).
 ///
 /// Shape, names and files are checked here; ranges (angles, energy, finite numbers) when it is compiled.
 pub fn load_scene(path: &Path) -> Result<LoadedScene, LoadError> {
@@ -42,13 +46,17 @@ pub fn load_scene(path: &Path) -> Result<LoadedScene, LoadError> {
             }
         }
         "obj" | "ply" => parse_mesh_scene(path, &source),
-        "xml" | "gltf" | "glb" => {
+        "xml" => {
+            let bytes = read_file(&source, path, MAX_SCENE_FILE)?;
+            parse_scene_mitsuba(&bytes, path, &source, &MitsubaOptions::default())
+        }
+        "gltf" | "glb" => {
             Err(LoadError::new(path, Problem::Unsupported(format!("a scene in the format .{extension}"))))
         }
         _ => Err(LoadError::unexpected(
             path,
             quoted(path.file_name().and_then(|n| n.to_str()).unwrap_or_default()),
-            "a scene: .toml, .obj or .ply",
+            "a scene: .toml, .xml, .obj or .ply",
         )),
     }
 }
@@ -78,7 +86,7 @@ pub fn parse_mesh_scene(path: &Path, source: &dyn FileSource) -> Result<LoadedSc
         let radiance = [1.0; 3];
         loader.desc.lights.push(LightDesc::Environment(EnvironmentDesc::uniform(radiance)));
     }
-    Ok(LoadedScene { desc: loader.desc, notes: loader.notes })
+    Ok(LoadedScene { desc: loader.desc, notes: loader.notes, max_depth: None })
 }
 
 /// Parses a scene file; nested files are relative to `file` and come from `source`.
@@ -144,7 +152,7 @@ pub fn parse_scene_toml(text: &str, file: &Path, source: &dyn FileSource) -> Res
         let message = format!("{unsupported} materials are of kinds that this version does not render");
         loader.note(file, None, message);
     }
-    Ok(LoadedScene { desc: loader.desc, notes: loader.notes })
+    Ok(LoadedScene { desc: loader.desc, notes: loader.notes, max_depth: None })
 }
 
 /// The names that fields may refer to.

@@ -14,6 +14,10 @@ pub trait FileSource {
     fn is_file(&self, path: &Path) -> bool;
     /// Names of the entries of a folder, sorted; empty when it cannot be listed.
     fn list(&self, folder: &Path) -> Vec<String>;
+    /// The path of a file or folder without links.
+    fn canonical(&self, path: &Path) -> io::Result<PathBuf> {
+        Ok(path.to_path_buf())
+    }
 }
 
 /// The file system.
@@ -42,6 +46,11 @@ impl FileSource for DiskSource {
         let mut names: Vec<String> = entries.filter_map(|e| e.ok()?.file_name().into_string().ok()).collect();
         names.sort();
         names
+    }
+
+    fn canonical(&self, path: &Path) -> io::Result<PathBuf> {
+        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        path.canonicalize()
     }
 }
 
