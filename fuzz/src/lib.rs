@@ -18,7 +18,7 @@ pub use kernels::{discrete, geometry, warps};
 pub use linear_triangle::linear_triangle;
 pub use log_offset::log_offset;
 pub use operator_file::operator_file;
-pub use parsers::{exr, mtl, obj, ply, points, scene};
+pub use parsers::{exr, mitsuba, mtl, obj, ply, points, scene};
 pub use polynomial::polynomial;
 pub use subdivide::subdivide;
 
@@ -26,8 +26,9 @@ pub use subdivide::subdivide;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets, by the name of their binary and of their folder in `seeds`.
-pub const TARGETS: [Target; 16] = [
+pub const TARGETS: [Target; 17] = [
     ("scene", scene),
+    ("mitsuba", mitsuba),
     ("obj", obj),
     ("mtl", mtl),
     ("ply", ply),

@@ -117,14 +117,11 @@ impl Builder<'_, '_> {
             None if o.kind() == "direct" => Some(2),
             other => other,
         };
-        match depth.map(u32::try_from) {
-            Some(Ok(depth)) => {
-                self.max_depth = Some(depth);
-                let message = format!("paths are meant to end at depth {depth}: --max-depth {depth}");
-                self.loader.note(o.file(), Some(o.line()), message);
-            }
-            // Below 0 there is no limit.
-            Some(Err(_)) | None => {}
+        // Below 0 there is no limit.
+        if let Some(Ok(depth)) = depth.map(u32::try_from) {
+            self.max_depth = Some(depth);
+            let message = format!("paths are meant to end at depth {depth}: --max-depth {depth}");
+            self.loader.note(o.file(), Some(o.line()), message);
         }
         for inner in o.objects("integrator")? {
             self.integrator(&inner)?;
