@@ -20,7 +20,7 @@ use std::process::ExitCode;
 /// Options of `bake`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The scene: .toml, .obj or .ply
+    /// The scene: .toml, .xml (Mitsuba 3), .obj or .ply
     scene: PathBuf,
     /// The operator: patches, form factors and what belongs to them; lights without size may change after
     #[arg(short, long, value_name = "OP.etd")]

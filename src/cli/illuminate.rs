@@ -17,7 +17,7 @@ use std::process::ExitCode;
 /// Options of `illuminate`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The scene: .toml, .obj or .ply
+    /// The scene: .toml, .xml (Mitsuba 3), .obj or .ply
     scene: PathBuf,
     /// The mesh with irradiance per face [W m^-2]: direct_r/g/b of lights without size, indirect_r/g/b of everything else, stderr_r/g/b of their sum
     #[arg(short, long, value_name = "OUT.ply")]

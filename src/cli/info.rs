@@ -14,7 +14,7 @@ use std::process::ExitCode;
 /// Options of `info`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The scene (.toml, .obj or .ply), or an operator (.etd)
+    /// The scene (.toml, .xml, .obj or .ply), or an operator (.etd)
     scene: PathBuf,
     #[command(flatten)]
     talk: TalkArgs,

@@ -15,7 +15,7 @@ use std::process::ExitCode;
 /// Options of `probe`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The scene: .toml, .obj or .ply
+    /// The scene: .toml, .xml (Mitsuba 3), .obj or .ply
     scene: PathBuf,
     /// The points: {"probes": [{"position": [x,y,z], "normal": [x,y,z]}, ...]}
     #[arg(long, value_name = "P.json")]

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 /// Options of `render`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The scene: .toml, .obj or .ply
+    /// The scene: .toml, .xml (Mitsuba 3), .obj or .ply
     scene: PathBuf,
     /// The image: linear radiance, variance of the mean and sample counts
     #[arg(short, long, value_name = "OUT.exr")]

@@ -1,5 +1,4 @@
 //! Loads the shared Mitsuba scenes, where `ETENDUE_SCENES` names their folder.
-#![cfg(feature = "io")]
 
 use std::path::{Path, PathBuf};
 
@@ -83,8 +82,8 @@ fn shared_media_on_grids_are_as_the_files_say() {
             row
         };
         assert_eq!(grid.to_world, [row(0), row(1), row(2)]);
-        for k in 0..3 {
-            assert!((medium.sigma_s[k] - scale * albedo[k]).abs() < 1e-6);
+        for (k, albedo) in albedo.into_iter().enumerate() {
+            assert!((medium.sigma_s[k] - scale * albedo).abs() < 1e-6);
             assert!((medium.sigma_a[k] + medium.sigma_s[k] - scale).abs() < 1e-6);
         }
         let inside = scene.desc.meshes.iter().find(|m| m.interior == medium.name).unwrap();
