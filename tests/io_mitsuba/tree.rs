@@ -73,6 +73,7 @@ fn includes_are_found_beside_the_scene_and_stay_there() {
         ("../secret.xml", "expected a file in s or in a folder of it"),
         ("parts/../../secret.xml", "expected a file in s"),
         ("/secret.xml", "expected a file in s"),
+        ("parts\\..\\..\\secret.xml", "expected a file in s"),
     ] {
         let e = parse_in(&source, &include(name), &options).unwrap_err();
         assert!(e.to_string().contains(words), "{name}: {e}");

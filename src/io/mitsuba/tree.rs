@@ -310,7 +310,9 @@ impl Reader<'_> {
             let (found, limit) = (self.open.len() as u64, MAX_INCLUDES as u64);
             return Err(too_large(context.path, "includes within each other", found, limit).at(element.line));
         }
-        let written = Path::new(name);
+        // Backslashes separate folders too, where names are looked for.
+        let slashes = name.replace('\\', "/");
+        let written = Path::new(&slashes);
         let leaves = written.is_absolute()
             || written.components().any(|c| !matches!(c, Component::Normal(_) | Component::CurDir));
         let outside = || {
