@@ -269,7 +269,9 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         }
         let mut connection =
             Connection { ray, left: distance, carried, ends, pixel, ..Connection::nothing() };
-        let weight = self.weight(&state.links, &ends, 1.0);
+        // Weights by cutoff may be nothing now and something when the way is known.
+        let known = !VOLUME || !self.settings.lists();
+        let weight = if known { self.weight(&state.links, &ends, 1.0) } else { 1.0 };
         let brings = math::mean(connection.carried) * weight;
         let enough = SMALL * math::mean(state.radiance);
         if brings < enough && connection.pixel.is_none() && self.settings.only.is_none() {
