@@ -1,25 +1,18 @@
 //! Bidirectional jobs: samples of a block in parallel, what lands in other pixels gathered in fixed point.
 
 use crate::schedule::{image_chunks, run_blocks, run_blocks_with, single_chunks};
-use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{BackendError, BidirectionalJob, Control, JobStats};
 use etendue_core::film::Film;
 use etendue_core::math::Vec3;
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::bidirectional::{Bidirectional, State};
+use etendue_core::transport::bidirectional::{Bidirectional, SplatUnit, State};
 use etendue_core::transport::volume::Surroundings;
 use etendue_core::transport::{ProbeStart, TransportCode};
 use etendue_core::with_bidirectional;
 use rayon::prelude::*;
 use std::cell::RefCell;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-
-/// Bits of a splat's fixed-point unit below the film's scale: what lands in a pixel may be 2^29 times that.
-const FRACTION_BITS: i32 = 34;
-/// Largest single splat in units; what is larger is clipped and counted.
-const UNITS_MAX: f32 = (1_u64 << 58) as f32;
 
 thread_local! {
     /// The walks of a thread's sample.
@@ -30,15 +23,13 @@ thread_local! {
 struct Splats {
     parts: Vec<Mutex<Vec<[i64; 3]>>>,
     elements: usize,
-    unit: f64,
-    clipped: AtomicU64,
+    unit: SplatUnit,
 }
 
 impl Splats {
     fn new(pool: &rayon::ThreadPool, film: &Film) -> Self {
         let parts = (0..pool.current_num_threads()).map(|_| Mutex::default()).collect();
-        let unit = exp2(film.settings().scale_exponent - FRACTION_BITS);
-        Self { parts, elements: film.len(), unit, clipped: AtomicU64::new(0) }
+        Self { parts, elements: film.len(), unit: SplatUnit::new(film.settings().scale_exponent) }
     }
 
     /// The sums of the calling thread, which no other thread asks for meanwhile, for so many blocks.
@@ -50,26 +41,11 @@ impl Splats {
         part
     }
 
-    fn add(&self, sums: &mut [i64; 3], value: Vec3) {
-        let per_unit = (1.0 / self.unit) as f32;
-        for (sum, x) in sums.iter_mut().zip(value.to_array()) {
-            let units = x * per_unit;
-            let clipped = units.clamp(-UNITS_MAX, UNITS_MAX);
-            if clipped != units {
-                self.clipped.fetch_add(1, Ordering::Relaxed);
-            }
-            // To the nearest; a number that is none counts as 0.
-            *sum = sum.saturating_add((clipped + if clipped < 0.0 { -0.5 } else { 0.5 }) as i64);
-        }
-    }
-
     /// Adds the sums of all threads to the means of blocks of a length, and forgets them.
     fn take(&self, means: &mut [[f64; 3]], block_length: u32) {
-        let mut parts: Vec<_> =
-            self.parts.iter().map(|p| p.lock().unwrap_or_else(PoisonError::into_inner)).collect();
-        let scale = self.unit / f64::from(block_length);
         let mut all = vec![[0_i64; 3]; means.len()];
-        for part in &mut parts {
+        for part in &self.parts {
+            let mut part = part.lock().unwrap_or_else(PoisonError::into_inner);
             for (all, sums) in all.iter_mut().zip(part.iter_mut()) {
                 for (a, s) in all.iter_mut().zip(std::mem::take(sums)) {
                     *a = a.saturating_add(s);
@@ -77,16 +53,11 @@ impl Splats {
             }
         }
         means.par_iter_mut().zip(&all).for_each(|(mean, sums)| {
-            for (m, s) in mean.iter_mut().zip(sums) {
-                *m += *s as f64 * scale;
+            for (m, s) in mean.iter_mut().zip(self.unit.mean(sums, block_length)) {
+                *m += s;
             }
         });
     }
-}
-
-/// 2^n.
-fn exp2(n: i32) -> f64 {
-    f64::from_bits(((n.clamp(-1022, 1023) + 1023) as u64) << 52)
 }
 
 /// A scene on its tree.
@@ -99,27 +70,23 @@ pub(crate) struct Place<'a> {
     pub surroundings: Surroundings,
 }
 
-widest! {
-    fn pixel_block[const V: bool, const L: bool, const D: bool](
-        tracer: &Bidirectional<'_, V, L, D>,
-        tree: &Tree,
-        pixel: [u32; 2],
-        names: (u64, u32, u32),
-        splat: &mut dyn FnMut([u32; 2], Vec3),
-    ) -> ([f64; 3], u64) {
-        STATE.with_borrow_mut(|state| tracer.pixel_block(state, tree, pixel, names, splat))
-    }
+fn pixel_block<const V: bool, const L: bool, const D: bool>(
+    tracer: &Bidirectional<'_, V, L, D>,
+    tree: &Tree,
+    pixel: [u32; 2],
+    names: (u64, u32, u32),
+    splat: &mut dyn FnMut([u32; 2], Vec3),
+) -> ([f64; 3], u64) {
+    STATE.with_borrow_mut(|state| tracer.pixel_block(state, tree, pixel, names, splat))
 }
 
-widest! {
-    fn probe_block[const V: bool, const L: bool, const D: bool](
-        tracer: &Bidirectional<'_, V, L, D>,
-        tree: &Tree,
-        probe: (u32, &ProbeStart),
-        names: (u64, u32, u32),
-    ) -> ([f64; 3], u64) {
-        STATE.with_borrow_mut(|state| tracer.probe_block(state, tree, probe, names))
-    }
+fn probe_block<const V: bool, const L: bool, const D: bool>(
+    tracer: &Bidirectional<'_, V, L, D>,
+    tree: &Tree,
+    probe: (u32, &ProbeStart),
+    names: (u64, u32, u32),
+) -> ([f64; 3], u64) {
+    STATE.with_borrow_mut(|state| tracer.probe_block(state, tree, probe, names))
 }
 
 /// An image.
@@ -144,7 +111,7 @@ pub(crate) fn image(
                 let row = (block - first) as usize * elements;
                 let mut splat = |[x, y]: [u32; 2], value: Vec3| {
                     if let Some(sums) = sums.get_mut(row + (y * width + x) as usize) {
-                        splats.add(sums, value);
+                        splats.unit.add(sums, value);
                     }
                 };
                 let pixel = [element % width, element / width];

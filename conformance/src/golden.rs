@@ -97,7 +97,7 @@ pub fn check(
         return Ok(vec![(name("pixels"), false, "the stored golden is not readable: bless it".into())]);
     };
     let compiled = compiled(&scene.scene)?;
-    let samples = if level == Level::Quick { QUICK_SAMPLES } else { QUICK_SAMPLES * 8 };
+    let samples = if level == Level::Quick { QUICK_SAMPLES } else { QUICK_SAMPLES * 8 } / estimator.thrift();
     let film = render(backend, estimator, &compiled, None, &golden_job(0xbeef, samples))?;
     let found = estimates(&film, false);
     if found.len() != stored.len() || stored.is_empty() {
@@ -133,6 +133,7 @@ pub fn check(
             100.0 * PIXEL_SHARE
         ),
     )];
+    let power = MEAN_POWER * f64::from(estimator.thrift()).sqrt();
     let t = t_quantile(sidak(MEAN_ALPHA, 3), 1000.0);
     let n = found.len() as f64;
     let (mut passed, mut detail) = (true, String::new());
@@ -141,7 +142,7 @@ pub fn check(
         let variance = |list: &[Pixel]| list.iter().map(|p| p[c].1 * p[c].1).sum::<f64>() / (n * n);
         let (x, r) = (mean(&found), mean(&stored));
         let stderr = (variance(&found) + variance(&stored)).sqrt();
-        passed &= (x - r).abs() <= t * stderr + ROUNDING * r && stderr <= MEAN_POWER * r;
+        passed &= (x - r).abs() <= t * stderr + ROUNDING * r && stderr <= power * r;
         detail.push_str(&format!("{x:.6} against {r:.6} +- {stderr:.1e}; "));
     }
     out.push((name("mean"), passed, detail));

@@ -1,16 +1,18 @@
 //! The reference backend: core alone, one thread, nothing clever. It makes the goldens; all others are compared to it.
 
 use etendue_core::backend::{
-    self, Backend, BackendError, BackendInfo, Capabilities, Control, JobStats, PathJob, Probe, Session,
+    self, Backend, BackendError, BackendInfo, BidirectionalJob, Capabilities, Control, JobStats, PathJob,
+    Probe, Session,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::Bvh2;
 use etendue_core::kernel::{self, Kernel};
 use etendue_core::medium::Inside;
 use etendue_core::scene::CompiledScene;
+use etendue_core::transport::bidirectional::{SplatUnit, State};
 use etendue_core::transport::volume::{Surroundings, probe_starts};
 use etendue_core::transport::{Paths, TransportCode};
-use etendue_core::with_tracer;
+use etendue_core::{with_bidirectional, with_tracer};
 use std::sync::Arc;
 
 /// Core's functions in plain loops.
@@ -23,7 +25,7 @@ impl Backend for ReferenceBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, bidirectional: false, kernels: true }
+        Capabilities { path: true, bidirectional: true, kernels: true }
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {
@@ -145,6 +147,69 @@ impl Session for ReferenceSession {
             serial_blocks(job, control, film, |element, block| {
                 let probe = (element, &starts[element as usize]);
                 tracer.probe_block(&tree, probe, job.seed, block, job.block_length)
+            })
+        })
+    }
+
+    fn bidirectional_image(
+        &self,
+        job: &BidirectionalJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let path = &job.path;
+        let expected = backend::image_film_settings(&self.scene, path)?;
+        check_job(&self.scene, path, film, &expected)?;
+        let tree = Bvh2::new(self.scene.primitives());
+        let code = TransportCode::of(&self.scene.needs);
+        let surroundings = Surroundings::of(&self.scene, &tree);
+        let width = expected.width;
+        let unit = SplatUnit::new(expected.scale_exponent);
+        let mut state = State::default();
+        with_bidirectional!(self.scene, code, (&*self.scene, &tree, job.settings(), surroundings), |tracer| {
+            let mut splats = vec![[0_i64; 3]; film.len()];
+            let names = |block: u32| (path.seed, block, path.block_length);
+            // A block is not known before all of its samples are: they run first, and their means wait.
+            let mut means = Vec::new();
+            serial_blocks(path, control, film, |element, block| {
+                if element == 0 {
+                    splats.fill([0; 3]);
+                    means.clear();
+                    for e in 0..expected.width * expected.height {
+                        let splat = |[x, y]: [u32; 2], value| {
+                            unit.add(&mut splats[(y * width + x) as usize], value);
+                        };
+                        let pixel = [e % width, e / width];
+                        means.push(tracer.pixel_block(&mut state, &tree, pixel, names(block), splat));
+                    }
+                }
+                let (mean, rays) = means[element as usize];
+                let landed = unit.mean(&splats[element as usize], path.block_length);
+                ([0, 1, 2].map(|c| mean[c] + landed[c]), rays)
+            })
+        })
+    }
+
+    fn bidirectional_probes(
+        &self,
+        job: &BidirectionalJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let path = &job.path;
+        let expected = backend::probe_film_settings(&self.scene, path, probes.len());
+        check_job(&self.scene, path, film, &expected)?;
+        let tree = Bvh2::new(self.scene.primitives());
+        let probes = backend::check_probes(probes)?;
+        let surroundings = Surroundings::of(&self.scene, &tree);
+        let starts = probe_starts(&self.scene, &tree, surroundings.outside, &probes);
+        let code = TransportCode::of(&self.scene.needs);
+        let mut state = State::default();
+        with_bidirectional!(self.scene, code, (&*self.scene, &tree, job.settings(), surroundings), |tracer| {
+            serial_blocks(path, control, film, |element, block| {
+                let probe = (element, &starts[element as usize]);
+                tracer.probe_block(&mut state, &tree, probe, (path.seed, block, path.block_length))
             })
         })
     }

@@ -21,21 +21,23 @@ fn job() -> PathJob {
 
 #[test]
 fn films_equal_the_reference_bit_for_bit() {
-    for scene in golden::scenes() {
-        let scene = compiled(&scene.scene).expect("a good scene");
-        let ours = render(&cpu(), Estimator::Path, &scene, None, &job()).expect("surfaces only");
-        let theirs = render(&ReferenceBackend, Estimator::Path, &scene, None, &job()).expect("surfaces only");
-        assert!(ours == theirs);
-        assert!((0..ours.len()).any(|i| ours.mean(i)[0] > 0.0));
-    }
-    for case in cases() {
-        if let Measure::Probes(probes) = &case.measure {
-            let scene = compiled(&case.scene).expect("a good scene");
-            let job = PathJob { max_depth: case.max_depth, ..job() };
-            let ours = render(&cpu(), Estimator::Path, &scene, Some(probes), &job).expect("surfaces only");
-            let theirs = render(&ReferenceBackend, Estimator::Path, &scene, Some(probes), &job)
-                .expect("surfaces only");
-            assert!(ours == theirs, "{}", case.name);
+    for estimator in [Estimator::Path, Estimator::Bidirectional] {
+        for scene in golden::scenes() {
+            let scene = compiled(&scene.scene).expect("a good scene");
+            let ours = render(&cpu(), estimator, &scene, None, &job()).expect("all it needs");
+            let theirs = render(&ReferenceBackend, estimator, &scene, None, &job()).expect("all it needs");
+            assert!(ours == theirs);
+            assert!((0..ours.len()).any(|i| ours.mean(i)[0] > 0.0));
+        }
+        for case in cases() {
+            if let Measure::Probes(probes) = &case.measure {
+                let scene = compiled(&case.scene).expect("a good scene");
+                let job = PathJob { max_depth: case.max_depth, ..job() };
+                let ours = render(&cpu(), estimator, &scene, Some(probes), &job).expect("all it needs");
+                let theirs =
+                    render(&ReferenceBackend, estimator, &scene, Some(probes), &job).expect("all it needs");
+                assert!(ours == theirs, "{}", case.name);
+            }
         }
     }
 }

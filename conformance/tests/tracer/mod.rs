@@ -318,6 +318,7 @@ impl Session for TracerSession {
                 front: n,
                 geometric: n,
                 shading: if path.has(Fault::NormalFlipped) { -n } else { n },
+                interpolated: n,
                 wo: n,
                 lobes: Lobes::diffuse(Vec3::ONE),
                 interface: Interface::Opaque,

@@ -63,7 +63,7 @@ impl Connection {
 }
 
 /// A segment from a vertex to a place with a normal (zero: none), both ends off their surfaces.
-#[inline(always)]
+#[inline]
 fn between(from: &Vertex, to: &SurfacePoint, normal: Vec3, exchange: &Exchange) -> Ray {
     let Exchange { wi, distance, .. } = *exchange;
     let origin = offset_origin(&from.point.within(distance), from.normal(), wi);
@@ -84,7 +84,7 @@ pub(super) struct Exchange {
 
 impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_, VOLUME, LOBES, DETAIL> {
     /// Between a vertex of the light's walk and a point of the lens.
-    #[inline(always)]
+    #[inline]
     pub(super) fn with_camera(&self, camera: &Camera, vertex: &Vertex, lens: Vec3) -> Exchange {
         let to = lens - vertex.position();
         let d2 = to.length_squared();
@@ -102,7 +102,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// Between a vertex of the sensor's walk and a place on a light.
-    #[inline(always)]
+    #[inline]
     pub(super) fn with_light(&self, vertex: &Vertex, light: &LightRecord, s: &LightSample) -> Exchange {
         let (f, densities) = vertex.scattering::<LOBES, DETAIL>(From::Sensor, s.wi);
         let to = s.point - vertex.position();
@@ -129,7 +129,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// Between vertices of the two walks.
-    #[inline(always)]
+    #[inline]
     pub(super) fn between_walks(&self, eye: &Vertex, light: &Vertex) -> Option<Exchange> {
         let to = light.position() - eye.position();
         let d2 = to.length_squared();
@@ -164,7 +164,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// A vertex of the light's walk joined to the camera.
-    #[inline(always)]
+    #[inline]
     pub(super) fn splat(&self, state: &mut State, vertex: &Vertex) -> Option<Query> {
         let camera = self.scene.camera.as_ref().filter(|_| !state.probe)?;
         if !vertex.connects() || !self.settings.uses(vertex.index + 1, 1) {
@@ -183,7 +183,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// The sensor's last vertex joined to a sampled light.
-    #[inline(always)]
+    #[inline]
     fn join_light(&self, state: &mut State) -> Option<Query> {
         let vertex = state.vertex;
         if !self.settings.uses(1, vertex.index + 1) || self.scene.lights.is_empty() {
@@ -205,7 +205,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// The sensor's last vertex joined to one of the light's.
-    #[inline(always)]
+    #[inline]
     fn join_vertex(&self, state: &mut State, number: usize) -> Option<Query> {
         let (eye, light) = (&state.vertex, &state.vertices[number]);
         let edges = eye.edges.saturating_add(light.edges).saturating_add(1);
@@ -219,7 +219,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// The next joint of the sensor's last vertex from this one on: 0 is that to a light.
-    #[inline(always)]
+    #[inline]
     pub(super) fn join_from(&self, state: &mut State, first: u32) -> Query {
         if state.vertex.connects() && state.vertex.edges < self.settings.max_depth {
             for number in first..=state.vertices.len() as u32 {
@@ -236,7 +236,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         self.follow_sensor(state)
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn weight(&self, links: &[Links; 2], ends: &[Option<Weighed>; 2], pass: f32) -> f32 {
         if self.settings.only.is_some() {
             return 1.0;
@@ -254,7 +254,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// Sends a joint on its way, if it can bring anything.
-    #[inline(always)]
+    #[inline]
     fn launch(
         &self,
         state: &mut State,
@@ -296,7 +296,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// A joint has reached its end or something in the way.
-    #[inline(always)]
+    #[inline]
     pub(super) fn join(&self, state: &mut State, answer: Answer) -> Query {
         match answer {
             Answer::Occluded(false) => self.arrived(state, 1.0),
@@ -314,7 +314,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn arrived(&self, state: &mut State, weight: f32) {
         let value = state.connection.carried * weight;
         match state.connection.pixel {

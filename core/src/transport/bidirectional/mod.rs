@@ -9,12 +9,14 @@
 
 mod connect;
 mod emitters;
+mod splats;
 #[cfg(test)]
 mod tests;
 mod vertex;
 mod walk;
 mod weight;
 
+pub use splats::SplatUnit;
 pub use weight::{CUTOFF, Heuristic, VERTICES_MAX};
 
 use super::back::{BlockSum, NO_RAY, camera_ray, white_surface};
@@ -62,13 +64,13 @@ impl Settings {
     }
 
     /// Weights are by lists of all strategies.
-    #[inline(always)]
+    #[inline]
     fn lists(&self) -> bool {
         matches!(self.heuristic, Heuristic::Cutoff(_))
     }
 
     /// Whether a strategy counts.
-    #[inline(always)]
+    #[inline]
     fn uses(&self, s: u32, t: u32) -> bool {
         self.only.is_none_or(|only| only == [s, t])
     }
@@ -286,7 +288,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
     }
 
     /// Takes the answer to the last query and says what is asked next.
-    #[inline(always)]
+    #[inline]
     pub fn advance(&self, state: &mut State, answer: Answer) -> Query {
         match (state.phase, answer) {
             (Phase::Light, Answer::Closest(hit)) => self.walk_from_light(state, hit),
@@ -296,7 +298,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn walk_from_light(&self, state: &mut State, hit: Option<Hit>) -> Query {
         let first = state.walk.index == 0;
         let own = &mut state.links[0];
@@ -325,7 +327,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn follow_light(&self, state: &mut State) -> Query {
         if state.walk.ray.direction == Vec3::ZERO {
             return self.turn_to_sensor(state);
@@ -334,7 +336,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         Query::Closest(state.walk.ray)
     }
 
-    #[inline(always)]
+    #[inline]
     fn walk_from_sensor(&self, state: &mut State, hit: Option<Hit>) -> Query {
         let (probe, radiance) = (state.probe, &mut state.radiance);
         let seen =
@@ -358,7 +360,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         }
     }
     /// Joins the sensor's last vertex, and goes on from it.
-    #[inline(always)]
+    #[inline]
     fn visit(&self, state: &mut State) -> Query {
         if !self.scatter(&mut state.walk, &state.vertex, &state.sampler, &mut state.links[1]) {
             state.walk.end();
@@ -366,7 +368,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         self.join_from(state, 0)
     }
 
-    #[inline(always)]
+    #[inline]
     fn follow_sensor(&self, state: &mut State) -> Query {
         if state.walk.ray.direction == Vec3::ZERO {
             return Query::Done;
@@ -376,7 +378,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
     }
 
     /// Radiance that the sensor's walk sees by itself, weighted: s = 0.
-    #[inline(always)]
+    #[inline]
     fn seen(&self, walk: &Walk, seen: &Seen<'_>, probe: bool, links: &Links) -> Vec3 {
         let (index, t) = (walk.index + 1, walk.index + 2);
         match seen {
@@ -430,7 +432,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
     }
 
     /// Runs a sample to its end; returns what it measures and the number of rays it took. `splat` takes what lands in other pixels.
-    #[inline(always)]
+    #[inline]
     pub fn run<I: Intersector + ?Sized>(
         &self,
         state: &mut State,
@@ -450,7 +452,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
     }
 
     /// Mean of one block of samples of a pixel, but for what lands in it from elsewhere; and the rays it took. `splat` takes the sum of what lands elsewhere.
-    #[inline(always)]
+    #[inline]
     pub fn pixel_block<I: Intersector + ?Sized>(
         &self,
         state: &mut State,
@@ -470,7 +472,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
     }
 
     /// Mean of one block of samples of a probe of this number; and the rays it took.
-    #[inline(always)]
+    #[inline]
     pub fn probe_block<I: Intersector + ?Sized>(
         &self,
         state: &mut State,

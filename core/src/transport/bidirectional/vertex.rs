@@ -54,7 +54,7 @@ pub(super) struct Vertex {
 }
 
 impl Vertex {
-    #[inline(always)]
+    #[inline]
     pub(super) fn at_surface(surface: &Surface, chain: Chain) -> Self {
         let scatterer = Scatterer::Surface {
             lobes: surface.lobes,
@@ -65,7 +65,7 @@ impl Vertex {
     }
 
     /// To be filled in.
-    #[inline(always)]
+    #[inline]
     pub(super) fn nowhere(chain: Chain) -> Self {
         Self {
             point: SurfacePoint { position: Vec3::ZERO, extent: 0.0 },
@@ -81,13 +81,13 @@ impl Vertex {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn position(&self) -> Vec3 {
         self.point.position
     }
 
     /// Some way to scatter has a density.
-    #[inline(always)]
+    #[inline]
     pub(super) fn connects(&self) -> bool {
         match &self.scatterer {
             Scatterer::Surface { lobes, .. } => lobes.has_density(),
@@ -96,7 +96,7 @@ impl Vertex {
     }
 
     /// What turns a density of directions at a point in direction `wi`, at the squared distance `d2`, into one of this vertex: cosine or extinction over that.
-    #[inline(always)]
+    #[inline]
     pub(super) fn facing(&self, wi: Vec3, d2: f32) -> f32 {
         (match &self.scatterer {
             Scatterer::Surface { geometric, .. } => math::abs(geometric.dot(wi)),
@@ -105,7 +105,7 @@ impl Vertex {
     }
 
     /// Geometric normal; zero in a medium.
-    #[inline(always)]
+    #[inline]
     pub(super) fn normal(&self) -> Vec3 {
         match &self.scatterer {
             Scatterer::Surface { geometric, .. } => *geometric,
@@ -115,7 +115,7 @@ impl Vertex {
 
     /// f cos for light that goes on to `wi`, per channel: for a walk from the sensor by the shading normal, for one from a light by what makes it the same path (Veach 1997, section 5.3).
     /// In a medium the phase function. And the densities of `wi`, and of the way back if light came from there.
-    #[inline(always)]
+    #[inline]
     pub(super) fn scattering<const LOBES: bool, const SHADING: bool>(
         &self,
         from: From,
@@ -155,7 +155,7 @@ impl Vertex {
     }
 
     /// A direction with what the walk is multiplied by; its density is 0 where it has none.
-    #[inline(always)]
+    #[inline]
     pub(super) fn sample<const LOBES: bool, const SHADING: bool>(
         &self,
         from: From,
@@ -193,7 +193,7 @@ impl Vertex {
     }
 
     /// Start of a ray into a direction.
-    #[inline(always)]
+    #[inline]
     pub(super) fn leave(&self, wi: Vec3) -> Vec3 {
         match &self.scatterer {
             Scatterer::Surface { geometric, .. } => offset_origin(&self.point, *geometric, wi),
@@ -202,7 +202,7 @@ impl Vertex {
     }
 
     /// What lies between the vertex and the start of a ray from it \[m\]; see [`crate::transport::volume`].
-    #[inline(always)]
+    #[inline]
     pub(super) fn lead(&self, origin: Vec3, wi: Vec3) -> f32 {
         match &self.scatterer {
             Scatterer::Surface { geometric, .. } => lead((self.point.position, *geometric), origin, wi),
@@ -211,7 +211,7 @@ impl Vertex {
     }
 
     /// The media on the side of a direction.
-    #[inline(always)]
+    #[inline]
     pub(super) fn media(&self, wi: Vec3) -> Inside {
         match &self.scatterer {
             Scatterer::Surface { geometric, .. } if wi.dot(*geometric) < 0.0 => self.beyond,
@@ -221,7 +221,7 @@ impl Vertex {
 }
 
 /// Length of way through the step that a ray takes off a surface \[m\]; see [`crate::transport::volume`].
-#[inline(always)]
+#[inline]
 pub(super) fn lead((position, normal): (Vec3, Vec3), origin: Vec3, direction: Vec3) -> f32 {
     let step = math::sqrt((origin - position).length_squared());
     step / math::max(math::abs(direction.dot(normal)), 0.1)

@@ -86,7 +86,7 @@ impl Walk {
     }
 
     /// The vertex at a place: `facing` what it turns to the walk (cosine or extinction).
-    #[inline(always)]
+    #[inline]
     pub(super) fn link<const V: bool, const L: bool, const D: bool>(
         &self,
         tracer: &Bidirectional<'_, V, L, D>,
@@ -100,13 +100,13 @@ impl Walk {
 }
 
 impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_, VOLUME, LOBES, DETAIL> {
-    #[inline(always)]
+    #[inline]
     pub(super) fn flags(&self, hit: &Hit) -> u32 {
         self.scene.material_of(hit.primitive).flags
     }
 
     /// What becomes of a walk whose ray has met a surface, or nothing. `seen` takes what surfaces and media send to the sensor.
-    #[inline(always)]
+    #[inline]
     pub(super) fn arrive(
         &self,
         walk: &mut Walk,
@@ -164,14 +164,14 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// Groups of sample dimensions of what happens next.
-    #[inline(always)]
+    #[inline]
     fn groups(&self, walk: &Walk) -> u32 {
         let base = if walk.from == From::Light { super::LIGHT_GROUPS } else { 1 };
         base + GROUPS * walk.event
     }
 
     /// Fills in what a vertex has of its walk.
-    #[inline(always)]
+    #[inline]
     pub(super) fn vertex(&self, walk: &Walk, vertex: Vertex) -> Vertex {
         Vertex {
             carried: walk.carried,
@@ -185,7 +185,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     }
 
     /// Sends a walk on from a vertex. False where it ends.
-    #[inline(always)]
+    #[inline]
     pub(super) fn scatter(
         &self,
         walk: &mut Walk,
@@ -301,7 +301,7 @@ pub(super) enum Seen<'a> {
 
 impl Walk {
     /// Leaves a vertex.
-    #[inline(always)]
+    #[inline]
     pub(super) fn leave(&mut self, (index, chain): (u32, &Chain), left: Option<[f32; 2]>, facing: f32) {
         (self.index, self.chain, self.left, self.facing) = (index, *chain, left, facing);
         (self.flown, self.pass, self.crossed, self.distant) = (0.0, 1.0, 0, false);
@@ -309,14 +309,14 @@ impl Walk {
     }
 
     /// It ends.
-    #[inline(always)]
+    #[inline]
     pub(super) fn end(&mut self) {
         self.ray = NO_RAY;
     }
 }
 
 /// Straight on, beyond a boundary: the same edge, and a direction of the same density.
-#[inline(always)]
+#[inline]
 fn pass(walk: &mut Walk, surface: &Surface, (t, beyond): (f32, Inside)) -> Step {
     walk.inside = beyond;
     walk.flown += t;
