@@ -49,17 +49,30 @@ pub fn channels(carried: Vec3) -> Vec3 {
     if sum > 0.0 && sum < f32::INFINITY { carried / sum } else { Vec3::splat(1.0 / 3.0) }
 }
 
+/// T = exp(-sigma_t d) per channel, d the integral of a density \[m\] per channel. No extinction leaves all.
+#[inline(always)]
+pub(crate) fn transmittance_of(sigma_t: Vec3, optical: Vec3) -> Vec3 {
+    let one = |sigma: f32, d: f32| if sigma > 0.0 { math::exp(-sigma * d) } else { 1.0 };
+    Vec3::new(one(sigma_t.x, optical.x), one(sigma_t.y, optical.y), one(sigma_t.z, optical.z))
+}
+
+/// The channel that a number in [0, 1) picks.
+#[inline(always)]
+pub(crate) fn pick(p: Vec3, u: f32) -> usize {
+    if u < p.x {
+        0
+    } else if u < p.x + p.y {
+        1
+    } else {
+        2
+    }
+}
+
 /// Draws a flight of at most `limit` (infinite where there is no surface) for a path that carries `carried`. u in [0, 1): the channel, the length.
 #[inline(always)]
 pub fn sample(sigma_t: Vec3, carried: Vec3, limit: f32, u: [f32; 2]) -> Flight {
     let p = channels(carried);
-    let sigma = if u[0] < p.x {
-        sigma_t.x
-    } else if u[0] < p.x + p.y {
-        sigma_t.y
-    } else {
-        sigma_t.z
-    };
+    let sigma = sigma_t[pick(p, u[0])];
     let length = if sigma > 0.0 { -math::ln(1.0 - u[1]) / sigma } else { f32::INFINITY };
     let collided = length < limit;
     let length = if collided { length } else { limit };

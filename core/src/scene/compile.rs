@@ -8,6 +8,7 @@ use super::desc::{
     ShapeKind, TextureDesc,
 };
 use super::error::{Cleanup, CompileReport, SceneError};
+use super::grid;
 use super::lights::{self, LightDraft};
 use super::material::material_record;
 use super::mesh::{MeshTransform, check_mesh, repeated_triangles};
@@ -21,7 +22,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 /// Largest number of primitives, vertices or texels: indices are 32 bits, and the last one means "none".
-const MAX_COUNT: usize = u32::MAX as usize - 1;
+pub(super) const MAX_COUNT: usize = u32::MAX as usize - 1;
 /// How near to a boundary something touches it, in radii of the scene.
 const TOUCHING: f32 = 1e-5;
 /// Name of the material of surfaces that name none: diffuse, albedo 0.5.
@@ -124,6 +125,8 @@ impl Default for CompiledScene {
             light_cumulative: Vec::new(),
             environment: [0.0; 3],
             media: Vec::new(),
+            grids: Vec::new(),
+            grid_values: Vec::new(),
             camera_medium: 0,
             camera: None,
             bounds: Aabb::EMPTY,
@@ -264,16 +267,17 @@ impl Builder {
             if self.medium_names.insert(m.name.clone(), self.out.media.len() as u32).is_some() {
                 return Err(SceneError::DuplicateName { kind: "medium", name: m.name.clone() });
             }
-            let grids = m.density.is_some() || m.albedo.is_some();
-            let missing = if grids { "media on grids" } else { m.unsupported.as_str() };
-            self.unsupported(missing);
+            self.unsupported(&m.unsupported);
+            let [density_grid, albedo_grid] = grid::add(&mut self.out, &place, m)?;
             self.out.media.push(MediumRecord {
                 sigma_a: m.sigma_a,
                 g: m.g,
                 sigma_s: m.sigma_s,
                 priority: m.priority,
                 emission: m.emission,
-                pad: 0.0,
+                density_grid,
+                albedo_grid,
+                pad: [0; 3],
             });
         }
         if self.out.media.len() >= 0xffff {
@@ -528,6 +532,7 @@ impl Builder {
             light_choice: out.lights.len() > 1,
             thin_lens: out.camera.is_some_and(|c| c.lens_radius > 0.0),
             media: self.media_present,
+            grids: self.media_present && !out.grids.is_empty(),
             unsupported: core::mem::take(&mut self.unsupported),
             ..SceneNeeds::default()
         };

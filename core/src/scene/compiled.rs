@@ -1,7 +1,7 @@
 //! The compiled scene: flat arrays, indices instead of names, finite and energy-conserving by construction.
 //!
 //! Arenas, in the order in which a GPU backend binds them (eight storage buffers at most):
-//! positions, triangles, surfaces, vertex attributes, shapes, materials + textures, lights + their CDF, texels.
+//! positions, triangles, surfaces, vertex attributes, shapes, materials + textures, lights + their CDF, texels. Media and grids follow.
 
 use super::needs::SceneNeeds;
 use crate::geometry::{Aabb, BoxTree, Primitives, RoundShape};
@@ -143,7 +143,7 @@ pub struct LightRecord {
     pub normal: [f32; 3],
 }
 
-/// A homogeneous participating medium.
+/// A participating medium.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct MediumRecord {
@@ -157,8 +157,30 @@ pub struct MediumRecord {
     pub priority: i32,
     /// Emitted radiance per metre.
     pub emission: [f32; 3],
+    /// Grid that scales absorption and scattering, or [`NO_INDEX`].
+    pub density_grid: u32,
+    /// Grid of the single-scattering albedo, or [`NO_INDEX`].
+    pub albedo_grid: u32,
     /// Zero.
-    pub pad: f32,
+    pub pad: [u32; 3],
+}
+
+/// Values on a grid, and its place in the arena of values; see [`crate::medium::grid`].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct GridRecord {
+    /// Three rows of the map from the world to cells: (row . (point - corner)) + 1/2 is the coordinate along an axis, the corner being the last column \[m\].
+    pub to_cells: [[f32; 4]; 3],
+    /// Cells along x, y and z, each at least 1.
+    pub size: [u32; 3],
+    /// One value per cell, or three.
+    pub channels: u32,
+    /// Index of the first value: x runs fastest, then y, then z, channels together.
+    pub first_value: u32,
+    /// Index of the largest value of the first block of cells.
+    pub first_majorant: u32,
+    /// Zero.
+    pub pad: [u32; 2],
 }
 
 /// A validated scene, ready for any backend.
@@ -194,6 +216,10 @@ pub struct CompiledScene {
     pub environment: [f32; 3],
     /// Media.
     pub media: Vec<MediumRecord>,
+    /// Grids that media refer to.
+    pub grids: Vec<GridRecord>,
+    /// Values of all grids, and the largest of each of their blocks.
+    pub grid_values: Vec<f32>,
     /// Number, counted from 1, of the medium that the camera is said to stand in; 0 where nothing is said.
     pub camera_medium: u16,
     /// The camera, if the scene has one.

@@ -10,6 +10,7 @@ mod compile;
 mod compiled;
 mod desc;
 mod error;
+mod grid;
 mod lights;
 mod material;
 mod mesh;
@@ -18,7 +19,7 @@ mod needs;
 pub use bitmap::{SRGB_CODES, sample_bitmap, srgb_to_linear};
 pub use compile::compile;
 pub use compiled::{
-    CompiledScene, LightKind, LightRecord, MaterialRecord, MediumRecord, NO_INDEX, SurfaceRecord,
+    CompiledScene, GridRecord, LightKind, LightRecord, MaterialRecord, MediumRecord, NO_INDEX, SurfaceRecord,
     TextureRecord, material_flags,
 };
 pub use desc::{

@@ -31,6 +31,8 @@ pub struct SceneNeeds {
     pub thin_lens: bool,
     /// Participating media.
     pub media: bool,
+    /// Media whose density or albedo lies on a grid.
+    pub grids: bool,
     /// Boundaries that are no surfaces.
     pub null_boundaries: bool,
     /// Dielectrics that refract.
@@ -91,6 +93,7 @@ impl fmt::Display for SceneNeeds {
             (self.light_choice, "a choice of lights"),
             (self.thin_lens, "thin lens"),
             (self.media, "participating media"),
+            (self.grids, "media on grids"),
             (self.null_boundaries, "null boundaries"),
             (self.refraction, "dielectrics"),
             (self.panes, "thin plates or films"),

@@ -1,6 +1,6 @@
 //! Path tracing through participating media: the path tracer of [`super::path`], with flights that may end in a medium and boundaries that are no surfaces.
 //!
-//! Along each ray a distance is drawn by the medium that the ray is in ([`crate::medium::flight`]); emission of the medium is added in closed form over what the ray could fly. At a collision one light is
+//! Along each ray a distance is drawn by the medium that the ray is in ([`crate::medium::Medium::fly`]); emission of the medium is added over what the ray could fly. At a collision one light is
 //! sampled, and one direction by the phase function; both find surface lights and are combined by the power heuristic over solid angles. Null boundaries are crossed straight on:
 //! they are no vertices, count no edges, and a direction keeps its density beyond them. Connections to lights cross them too, with the product of the transmittances on the way.
 //! Unbiased up to `max_depth`.
@@ -17,7 +17,7 @@ use crate::bsdf::Interface;
 use crate::geometry::{Hit, Ray};
 use crate::light;
 use crate::math::{self, PI, Vec3};
-use crate::medium::{Inside, Medium, flight};
+use crate::medium::{Inside, Medium};
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, material_flags};
 use boundaries::resolve;
@@ -112,17 +112,17 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     #[inline(always)]
     fn arrive(&self, state: &mut VolumeState, hit: Option<Hit>) -> Query {
         let limit = hit.map_or(f32::INFINITY, |h| state.lead + h.t);
-        if let Some(medium) = state.inside.current(self.scene).map(Medium::new) {
-            state.radiance += state.throughput * flight::emitted(medium.emission, medium.sigma_t, limit);
-            let [channel, length] = state.sampler.group2(1 + GROUPS * state.event);
-            let flown = flight::sample(medium.sigma_t, state.throughput, limit, [channel, length]);
+        if let Some(medium) = state.inside.current(self.scene).map(|m| Medium::new(self.scene, m)) {
+            state.radiance += state.throughput * medium.emitted(&state.ray, state.lead, limit);
+            let u = state.sampler.group2(1 + GROUPS * state.event);
+            let flown = medium.fly(&state.ray, state.lead, limit, state.throughput, u);
             state.throughput *= flown.weight;
             if flown.collided {
-                state.throughput *= medium.sigma_s;
+                let position = state.ray.origin + state.ray.direction * (flown.length - state.lead);
+                state.throughput *= medium.sigma_s_at(position);
                 if state.throughput == Vec3::ZERO || state.depth >= self.max_depth {
                     return Query::Done;
                 }
-                let position = state.ray.origin + state.ray.direction * (flown.length - state.lead);
                 let vertex = Vertex::Medium { position, wo: -state.ray.direction, g: medium.g };
                 return self.scatter(state, &vertex);
             }
@@ -287,8 +287,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let Connection { ray, lead: before, left, inside, carried, crossed } = state.connection;
         let length = hit.map_or(left, |h| before + h.t);
         let mut carried = carried;
-        if let Some(medium) = inside.current(self.scene).map(Medium::new) {
-            carried *= flight::transmittance(medium.sigma_t, length);
+        if let Some(medium) = inside.current(self.scene).map(|m| Medium::new(self.scene, m)) {
+            carried *= medium.transmittance(&ray, before, length);
         }
         let Some(hit) = hit else {
             state.radiance += carried;
