@@ -5,6 +5,7 @@ mod common;
 
 use common::{FLOOR, FOG, Folder, POINTS, closed_cornell, run};
 use std::collections::BTreeSet;
+use std::path::Path;
 
 /// The verbs that `--help` lists.
 fn verbs_of_help() -> BTreeSet<String> {
@@ -188,30 +189,26 @@ fn an_image_needs_a_camera_and_probes_do_not() {
     assert_eq!(folder.names(), ["floor.toml", "out.json", "points.json"]);
 }
 
-/// Fog of a grid, which this version does not render.
-fn smoke() -> String {
-    FOG.replacen("sigma_a", "density = \"smoke.vol\"\nsigma_a", 1)
-}
-
 #[test]
-fn fog_is_rendered_and_a_grid_of_it_refused_with_a_sentence() {
+fn fog_is_rendered_and_a_grid_of_it() {
     let folder = Folder::new();
+    let grid = FOG.replacen("sigma_a", "density = \"smoke.vol\"\nsigma_a", 1);
     let fog = folder.write("fog.toml", FOG);
+    let smoke = folder.write("smoke.toml", &grid);
     let (exr, few) = (folder.arg("fog.exr"), ["--samples", "16"]);
-    run(&[&["render", &fog, "-o", &exr][..], &few].concat()).exits(0);
-    assert_eq!(run(&["info", &fog, "--json"]).exits(0).json()["methods"], serde_json::json!(["path"]));
-    std::fs::remove_file(&exr).unwrap();
-    std::fs::remove_file(&fog).unwrap();
-
-    let scene = folder.write("fog.toml", &smoke());
-    let points = folder.write("points.json", POINTS);
-    let words = ["density = \"smoke.vol\"", "method `path`"];
-    run(&["render", &scene, "-o", &folder.arg("out.exr")]).exits(3).says(&words);
-    run(&["probe", &scene, "--points", &points, "-o", &folder.arg("out.json")]).exits(3).says(&words);
-    let info = run(&["info", &scene]).exits(0);
-    assert!(info.stdout.contains("density = \"smoke.vol\""), "{}", info.stdout);
-    assert_eq!(run(&["info", &scene, "--json"]).exits(0).json()["methods"], serde_json::json!([]));
-    assert_eq!(folder.names(), ["fog.toml", "points.json"]);
+    run(&["render", &smoke, "-o", &exr]).exits(3).says(&["smoke.vol", "density"]);
+    let volume = etendue::io::Volume {
+        size: [2, 1, 1],
+        channels: 1,
+        bounds: [[0.0; 3], [1.0; 3]],
+        values: vec![0.25, 4.0],
+    };
+    etendue::io::write_vol(Path::new(&folder.arg("smoke.vol")), &volume).unwrap();
+    for scene in [fog, smoke] {
+        run(&[&["render", &scene, "-o", &exr][..], &few].concat()).exits(0);
+        assert_eq!(run(&["info", &scene, "--json"]).exits(0).json()["methods"], serde_json::json!(["path"]));
+    }
+    assert_eq!(folder.names(), ["fog.exr", "fog.toml", "smoke.toml", "smoke.vol"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use etendue::io::{
     MemorySource, parse_exr, parse_mesh_scene, parse_mtl, parse_obj, parse_operator, parse_ply, parse_points,
-    parse_scene_toml, parse_texture,
+    parse_scene_toml, parse_texture, parse_vol,
 };
 use proptest::prelude::*;
 
@@ -32,6 +32,7 @@ fn read_all(bytes: &[u8]) {
     let _ = parse_points(bytes, file);
     let _ = parse_exr(bytes, file);
     let _ = parse_operator(bytes, file);
+    let _ = parse_vol(bytes, file);
     let _ = parse_texture(bytes, "t", file);
     let _ = parse_mesh_scene(file, &source);
     let _ = parse_scene_toml(&String::from_utf8_lossy(bytes), Path::new("s.toml"), &source);
@@ -132,7 +133,10 @@ fn binary() -> Vec<Vec<u8>> {
         .unwrap();
     let ply = std::fs::read(&path).unwrap();
     let operator = std::fs::read("fuzz/seeds/operator_file/tiny.etd").unwrap();
-    vec![exr, png, ply, operator]
+    let bounds = [[0.0; 3], [1.0; 3]];
+    let volume = etendue::io::Volume { size: [2, 2, 1], channels: 1, bounds, values: vec![0.5; 4] };
+    let vol = etendue::io::encode_vol(&volume, &path).unwrap();
+    vec![exr, png, ply, operator, vol]
 }
 
 proptest! {
@@ -159,7 +163,7 @@ proptest! {
 
     #[test]
     fn mutated_binary_files_do_no_harm(
-        which in 0usize..4,
+        which in 0usize..5,
         edits in prop::collection::vec(edit(), 1..6),
     ) {
         static SEEDS: std::sync::OnceLock<Vec<Vec<u8>>> = std::sync::OnceLock::new();

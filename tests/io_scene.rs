@@ -4,7 +4,9 @@
 
 use std::path::Path;
 
-use etendue::io::{LoadError, LoadedScene, MemorySource, parse_mesh_scene, parse_scene_toml};
+use etendue::io::{
+    LoadError, LoadedScene, MemorySource, Volume, encode_vol, parse_mesh_scene, parse_scene_toml,
+};
 use etendue_core::scene::{LightDesc, MaterialKind, ShapeKind};
 
 const QUAD: &str = "mtllib quad.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\nf 1 2 3 4\n";
@@ -19,7 +21,13 @@ fn png() -> Vec<u8> {
 }
 
 fn files() -> MemorySource {
-    MemorySource::new().with("s/quad.obj", QUAD).with("s/quad.mtl", QUAD_MTL).with("s/wood.png", png())
+    MemorySource::new().with("s/quad.obj", QUAD).with("s/quad.mtl", QUAD_MTL).with("s/wood.png", png()).with("s/smoke.vol", smoke())
+}
+
+/// Two cells.
+fn smoke() -> Vec<u8> {
+    let volume = Volume { size: [2, 1, 1], channels: 1, bounds: [[0.0; 3], [1.0; 3]], values: vec![0.25, 4.0] };
+    encode_vol(&volume, Path::new("smoke.vol")).unwrap()
 }
 
 fn parse(text: &str) -> Result<LoadedScene, LoadError> {
@@ -189,7 +197,7 @@ priority = -2
 name = "smoke"
 sigma_s = [1, 1, 1]
 density = "smoke.vol"
-bounds = [[0, 0, 0], [1, 1, 1]]
+bounds = [[-1, 0, 0], [1, 1, 1]]
 "#;
 
 #[test]
@@ -244,8 +252,10 @@ fn everything_in_the_interface_parses() {
     let ior = [1.510, 1.514, 1.521];
     assert_eq!(material("prism").kind, MaterialKind::Dielectric { ior, schlick: false });
     assert_eq!((d.media[0].priority, d.media[1].priority), (-2, 0));
-    assert_eq!(d.media[1].unsupported, "density = \"smoke.vol\"");
-    assert!(d.media[0].unsupported.is_empty());
+    let grid = d.media[1].density.as_ref().unwrap();
+    assert_eq!((grid.size, grid.channels, grid.values.as_slice()), ([2, 1, 1], 1, &[0.25, 4.0][..]));
+    assert_eq!(grid.to_world, [[2.0, 0.0, 0.0, -1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+    assert!(d.media.iter().all(|m| m.unsupported.is_empty() && m.albedo.is_none()));
     assert_eq!(d.textures.len(), 1, "one bitmap however many materials name it");
     assert_eq!(d.textures[0].texels, [[255; 3], [0; 3]]);
     assert!(matches!(d.lights[1], LightDesc::Spot { cone_deg: 30.0, falloff_deg: 20.0, .. }));
@@ -345,6 +355,13 @@ const MISTAKES: &[(&str, usize, &[&str])] = &[
     ("[[material]]\nname = \"a\"\nkind = \"velvet\"\n", 3, &["\"velvet\"", "diffuse_phong", "plastic"]),
     ("[[material]]\nname = \"a\"\nkind = \"diffuse\"\n", 1, &["albedo"]),
     ("[[material]]\nkind = \"null\"\n", 1, &["name"]),
+    ("[[medium]]\nname = \"m\"\ndensity = \"fog.vol\"\n", 3, &["medium 1: density", "\"fog.vol\"", ".vol file"]),
+    ("[[medium]]\nname = \"m\"\nbounds = [[0, 0, 0], [1, 1, 1]]\n", 3, &["bounds", "density or albedo_grid"]),
+    (
+        "[[medium]]\nname = \"m\"\ndensity = \"smoke.vol\"\nbounds = [0, 0, 0]\n",
+        4,
+        &["bounds", "two lists of 3 numbers"],
+    ),
     ("[[material]]\nname = \"\"\nkind = \"null\"\n", 2, &["empty"]),
     (
         "[[material]]\nname = \"a\"\nkind = \"null\"\n[[material]]\nname = \"a\"\nkind = \"mirror\"\n",

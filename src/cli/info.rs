@@ -157,6 +157,7 @@ fn describe(scene: &CompiledScene, report: &CompileReport, stages: &Stages) -> V
             "light_choice": n.light_choice,
             "thin_lens": n.thin_lens,
             "media": n.media,
+            "grids": n.grids,
             "null_boundaries": n.null_boundaries,
             "unsupported": n.unsupported,
         },

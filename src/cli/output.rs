@@ -27,6 +27,8 @@ pub(super) fn scene_hash(scene: &CompiledScene) -> String {
     part(bytemuck::cast_slice(&scene.lights));
     part(bytemuck::cast_slice(&scene.environment));
     part(bytemuck::cast_slice(&scene.media));
+    part(bytemuck::cast_slice(&scene.grids));
+    part(bytemuck::cast_slice(&scene.grid_values));
     part(scene.camera.as_ref().map_or(&[], |c| bytemuck::bytes_of(c)));
     hash.finalize().to_hex()[..32].to_owned()
 }

@@ -26,6 +26,8 @@ pub fn transport_hash(scene: &CompiledScene) -> [u8; 32] {
         light_cumulative: _,
         environment: _,
         media,
+        grids,
+        grid_values,
         camera_medium: _,
         crossings: _,
         camera: _,
@@ -48,6 +50,10 @@ pub fn transport_hash(scene: &CompiledScene) -> [u8; 32] {
     part(&mut hash, textures);
     part(&mut hash, texels);
     part(&mut hash, media);
+    if !grids.is_empty() {
+        part(&mut hash, grids);
+        part(&mut hash, grid_values);
+    }
     *hash.finalize().as_bytes()
 }
 

@@ -85,6 +85,11 @@ impl<'a> Loader<'a> {
         }
     }
 
+    /// The bytes of a file.
+    pub(crate) fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        read_file(self.source, path, limit)
+    }
+
     /// Reads a bitmap once; returns its name in the scene.
     pub(crate) fn texture(&mut self, path: &Path) -> Result<String, LoadError> {
         if let Some(name) = self.textures.get(path) {

@@ -5,6 +5,7 @@
 //! - [`read_exr`] and [`write_exr`] move images; [`write_png`] and [`read_mask`] move 8-bit ones.
 //! - [`read_points`] and [`write_points`] move lists of surface points.
 //! - [`read_operator`] and [`write_operator`] move baked operators; [`transport_hash`] says whether a scene is theirs.
+//! - [`read_vol`] and [`write_vol`] move grids of values, for media.
 //! - [`write_ktx2`] writes blocks of textures for a GPU.
 //! - [`write_ply`] writes a mesh with numbers per vertex and per face.
 //!
@@ -34,6 +35,7 @@ mod scene;
 mod scene_fields;
 mod source;
 mod toml_view;
+mod volume;
 
 pub use atomic::write_whole;
 pub use bitmap::{Mask, parse_texture, read_mask, read_png, write_png};
@@ -51,3 +53,4 @@ pub use ply::{parse_ply, write_ply};
 pub use points::{Probe, parse_points, read_points, write_points};
 pub use scene::{LoadedScene, load_scene, parse_mesh_scene, parse_scene_toml};
 pub use source::{DiskSource, FileSource, MemorySource};
+pub use volume::{Volume, encode_vol, parse_vol, read_vol, write_vol};

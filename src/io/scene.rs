@@ -124,7 +124,7 @@ pub fn parse_scene_toml(text: &str, file: &Path, source: &dyn FileSource) -> Res
     }
     let mut media_names = BTreeSet::new();
     for section in &media {
-        let (medium, line) = fields::medium(section)?;
+        let (medium, line) = fields::medium(section, &mut loader, file)?;
         if !media_names.insert(medium.name.clone()) {
             let found = format!("a second medium {}", quoted(&medium.name));
             return Err(section.error(line, "name", found, "a name of its own"));

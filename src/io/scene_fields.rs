@@ -4,7 +4,7 @@ use std::path::Path;
 
 use etendue_core::math;
 use etendue_core::scene::{
-    CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, Reflectance, ShapeDesc,
+    CameraDesc, EnvironmentDesc, GridDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, Reflectance, ShapeDesc,
     ShapeKind,
 };
 
@@ -12,6 +12,7 @@ use super::error::{LoadError, Problem, quoted};
 use super::mesh::{Loader, MeshOptions, MtlMode};
 use super::scene::Names;
 use super::toml_view::Section;
+use super::volume;
 
 /// Larger images are refused, in either direction.
 const MAX_RESOLUTION: u32 = 65_536;
@@ -330,18 +331,35 @@ fn smooth(s: &Section<'_>) -> Result<Option<bool>, LoadError> {
     Ok((roughness <= 0.0 && !lobe).then_some(schlick))
 }
 
+/// The grid of a file that a field names, in `bounds` or in the box of the file.
+fn grid(
+    s: &Section<'_>,
+    key: &'static str,
+    bounds: Option<[[f32; 3]; 2]>,
+    loader: &mut Loader<'_>,
+    file: &Path,
+) -> Result<Option<GridDesc>, LoadError> {
+    let Some((name, line)) = s.text(key)? else { return Ok(None) };
+    let Some(path) = loader.find(file, line, &name) else {
+        return Err(s.error(line, key, quoted(&name), "a .vol file beside the scene file"));
+    };
+    let volume = volume::parse_vol(&loader.bytes(&path, volume::MAX_FILE)?, &path)?;
+    Ok(Some(volume.into_grid(bounds)))
+}
+
 /// The medium and the line of its name.
-pub(crate) fn medium(s: &Section<'_>) -> Result<(MediumDesc, usize), LoadError> {
+pub(crate) fn medium(
+    s: &Section<'_>,
+    loader: &mut Loader<'_>,
+    file: &Path,
+) -> Result<(MediumDesc, usize), LoadError> {
     let (name, line) = name_of(s)?;
     let zero = [0.0; 3];
-    let mut unsupported = Vec::new();
-    for key in ["density", "albedo_grid"] {
-        if let Some((file, _)) = s.text(key)? {
-            unsupported.push(format!("{key} = {}", quoted(&file)));
-        }
-    }
-    if s.line_of("bounds").is_some() && unsupported.is_empty() {
-        unsupported.push("bounds".into());
+    let bounds = s.corners("bounds")?;
+    let mut read = |key| grid(s, key, bounds.map(|b| b.0), loader, file);
+    let (density, albedo) = (read("density")?, read("albedo_grid")?);
+    if let Some((_, line)) = bounds.filter(|_| density.is_none() && albedo.is_none()) {
+        return Err(s.error(line, "bounds", "a box without a grid", "density or albedo_grid beside it"));
     }
     let priority = match s.whole("priority")? {
         Some((value, line)) => {
@@ -354,7 +372,8 @@ pub(crate) fn medium(s: &Section<'_>) -> Result<(MediumDesc, usize), LoadError> 
     let desc = MediumDesc {
         emission: vector_or(s, "emission", zero)?,
         priority,
-        unsupported: unsupported.join(", "),
+        density,
+        albedo,
         ..MediumDesc::new(&name, sigma_a, sigma_s, scalar_or(s, "g", 0.0)?)
     };
     s.finish()?;

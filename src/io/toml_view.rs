@@ -171,6 +171,24 @@ impl<'a> Section<'a> {
         Ok(Some((out, line)))
     }
 
+    /// Two lists of 3 numbers: the corners of a box.
+    pub(crate) fn corners(&self, key: &'static str) -> Result<Option<Lined<[[f32; 3]; 2]>>, LoadError> {
+        let Some((value, line)) = self.get(key) else { return Ok(None) };
+        let wrong = |found: &DeValue<'_>| {
+            self.error(line, key, describe(found), "two lists of 3 numbers: the lower and the upper corner")
+        };
+        let list = value.as_array().filter(|l| l.len() == 2).ok_or_else(|| wrong(value))?;
+        let mut out = [[0.0; 3]; 2];
+        for (corner, item) in out.iter_mut().zip(list.iter()) {
+            let item = item.get_ref();
+            let numbers = item.as_array().filter(|l| l.len() == 3).ok_or_else(|| wrong(item))?;
+            for (slot, x) in corner.iter_mut().zip(numbers.iter()) {
+                *slot = number(x.get_ref()).ok_or_else(|| wrong(x.get_ref()))? as f32;
+            }
+        }
+        Ok(Some((out, line)))
+    }
+
     /// One number, or three of them.
     pub(crate) fn one_or_three(&self, key: &'static str) -> Result<Option<[f32; 3]>, LoadError> {
         match self.get(key) {

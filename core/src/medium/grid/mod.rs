@@ -4,7 +4,7 @@
 //! cells of a box; between centres they are trilinear, in the outer half cells they stay what they are at the nearest centres, and beyond the box they are 0.
 //!
 //! A field that is trilinear is a cubic polynomial along a ray between two planes of centres. Gauss' rule of two points integrates cubics exactly, so the optical length of a ray is exact up to
-//! rounding, and so is its transmittance; and where it reaches a drawn value is found by Newton's method within the piece where it must be ([`regular`]: "regular tracking"). Both are functions of the
+//! rounding, and so is its transmittance; and where it reaches a drawn value is found by Newton's method within the piece where it must be ("regular tracking", module `regular`). Both are functions of the
 //! ray alone, without random numbers: densities of flights are known, which balances the channels against each other and techniques of a path. Null collisions ([`null`]) need fewer evaluations
 //! in thin media, and know no density; they are here as the independent second opinion. Source: J. Novak, I. Georgiev, J. Hanika, W. Jarosz, "Monte Carlo methods for volumetric light transport
 //! simulation", 2018, sections 3 and 4.

@@ -2,7 +2,7 @@
 //!
 //! Within blocks of pieces a majorant mu of all channels is known. Distances are drawn by it; at each tentative collision it is a true one with probability sum p_c sigma_c / mu, and weights
 //! sigma_c / (mu P) or (mu - sigma_c) / (mu (1 - P)) keep every channel's mean (Woodcock et al. 1965; Kutz et al. 2017 for several channels). Transmittance is the product of
-//! (1 - sigma_c / mu) over tentative collisions (ratio tracking, Novak et al. 2014). Both see the density only at points: an independent check of [`super::regular`].
+//! (1 - sigma_c / mu) over tentative collisions (ratio tracking, Novak et al. 2014). Both see the density only at points: an independent check of regular tracking.
 
 use super::walk::Walk;
 use super::{Grid, Line};

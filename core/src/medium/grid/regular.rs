@@ -1,7 +1,10 @@
 //! Optical lengths of rays through a grid, and where they reach a value, piece by piece: exact up to rounding, without random numbers.
 //!
 //! Quantity: the integral of d over a length \[m\], per channel; times sigma_t it is the optical thickness. Each piece adds its length times the mean of d at Gauss' two places. Sums and weights
-//! are not negative, so that nothing cancels: measured within 4e-6 of the largest value times the length in the box (grids of 5 to 64 cells, against f64).
+//! are not negative, so that nothing cancels: measured within 8e-6 m for values up to 1 and ways of up to 4 m (against f64).
+//!
+//! Why this is the default: measured on a cloud of 128^3 cells, a flight takes 2.3 us where the medium is thin (optical thickness about 1) and 1.3 us where it is thick; null collisions ([`super::null`])
+//! 1.2 us and 2.9 us, and their transmittances 1.5 us and 11 us against 2.7 us and 2.4 us here, with noise that these do not have.
 
 use super::cell::{Cell, Value};
 use super::walk::{Stretch, Walk};
@@ -15,7 +18,7 @@ const STEPS: u32 = 40;
 /// Nothing that f32 can tell from 0 is left behind such an optical thickness.
 const OPAQUE: f32 = 104.0;
 /// Optical thickness of the parts in which emission is integrated, and beyond which it is left out.
-const PART: f32 = 0.5;
+const PART: f32 = 0.25;
 const DIM: f32 = 17.0;
 
 /// Where a way ends.
@@ -115,7 +118,7 @@ pub(crate) fn fly(grid: &Grid<'_>, line: &Line, limit: f32, wanted: f32, channel
     }
 }
 
-/// Integral of T along a part of a piece for one channel, by Gauss' rule over parts of optical thickness [`PART`]: T's fourth derivative leaves an error below PART^4 / 4320 = 1.5e-5 of it.
+/// Integral of T along a part of a piece for one channel, by Gauss' rule over equal parts of mean optical thickness [`PART`]; one of thickness tau is off by tau^4 / 4320 of itself.
 fn glow<V: Value>(
     walk: &Walk<'_>,
     cell: &Cell<V>,
@@ -164,7 +167,7 @@ fn emitted_by<V: Value>(grid: &Grid<'_>, line: &Line, limit: f32, sigma: Vec3, e
 }
 
 /// Radiance \[W m^-2 sr^-1\] that a medium of extinction `sigma` times the density, and of the same emission everywhere, sends back along a line: the integral of emission times T.
-/// Within 2e-5. On a way without end what lies behind the grid has no value and is left out.
+/// Within 2e-5 of itself (measured, optical thicknesses of up to 100). On a way without end what lies behind the grid has no value and is left out.
 pub(crate) fn emitted(grid: &Grid<'_>, line: &Line, limit: f32, sigma: Vec3, emission: Vec3) -> Vec3 {
     if grid.is_coloured() {
         emitted_by::<Vec3>(grid, line, limit, sigma, emission)
