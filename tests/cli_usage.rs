@@ -259,7 +259,8 @@ fn a_failing_run_leaves_what_was_there() {
     let folder = Folder::new();
     let good = "a good result of yesterday";
     let (exr, json) = (folder.write("out.exr", good), folder.write("out.json", good));
-    let scene = folder.write("fog.toml", &smoke());
+    // A grid that is not there.
+    let scene = folder.write("fog.toml", &FOG.replacen("sigma_a", "density = \"smoke.vol\"\nsigma_a", 1));
     let points = folder.write("points.json", POINTS);
     run(&["render", &scene, "-o", &exr]).exits(3);
     run(&["render", "nowhere.toml", "-o", &exr]).exits(3);

@@ -21,12 +21,17 @@ fn png() -> Vec<u8> {
 }
 
 fn files() -> MemorySource {
-    MemorySource::new().with("s/quad.obj", QUAD).with("s/quad.mtl", QUAD_MTL).with("s/wood.png", png()).with("s/smoke.vol", smoke())
+    MemorySource::new()
+        .with("s/quad.obj", QUAD)
+        .with("s/quad.mtl", QUAD_MTL)
+        .with("s/wood.png", png())
+        .with("s/smoke.vol", smoke())
 }
 
 /// Two cells.
 fn smoke() -> Vec<u8> {
-    let volume = Volume { size: [2, 1, 1], channels: 1, bounds: [[0.0; 3], [1.0; 3]], values: vec![0.25, 4.0] };
+    let volume =
+        Volume { size: [2, 1, 1], channels: 1, bounds: [[0.0; 3], [1.0; 3]], values: vec![0.25, 4.0] };
     encode_vol(&volume, Path::new("smoke.vol")).unwrap()
 }
 
@@ -350,12 +355,16 @@ const MISTAKES: &[(&str, usize, &[&str])] = &[
         5,
         &["unknown field \"normal\"", "center"],
     ),
-    ("[[light]]\nkind = \"environment\"\nfile = \"sky.exr\"\n", 3, &["not supported by this version"]),
+    ("[[light]]\nkind = \"environment\"\nfile = \"sky.exr\"\n", 3, &["light 1: file", "sky.exr"]),
     ("[[light]]\nposition = [0,0,0]\n", 1, &["light 1: kind", "point, spot, directional, environment"]),
     ("[[material]]\nname = \"a\"\nkind = \"velvet\"\n", 3, &["\"velvet\"", "diffuse_phong", "plastic"]),
     ("[[material]]\nname = \"a\"\nkind = \"diffuse\"\n", 1, &["albedo"]),
     ("[[material]]\nkind = \"null\"\n", 1, &["name"]),
-    ("[[medium]]\nname = \"m\"\ndensity = \"fog.vol\"\n", 3, &["medium 1: density", "\"fog.vol\"", ".vol file"]),
+    (
+        "[[medium]]\nname = \"m\"\ndensity = \"fog.vol\"\n",
+        3,
+        &["medium 1: density", "\"fog.vol\"", ".vol file"],
+    ),
     ("[[medium]]\nname = \"m\"\nbounds = [[0, 0, 0], [1, 1, 1]]\n", 3, &["bounds", "density or albedo_grid"]),
     (
         "[[medium]]\nname = \"m\"\ndensity = \"smoke.vol\"\nbounds = [0, 0, 0]\n",

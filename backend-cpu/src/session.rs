@@ -436,6 +436,7 @@ impl Session for CpuSession {
                 (needs.mirrors, "mirrors"),
                 (needs.glossy, "Phong lobes"),
                 (needs.round_shapes, "spheres and disks"),
+                (needs.environment_image, "a picture of the environment"),
             ];
             list.into_iter().find(|l| l.0).map(|l| l.1.into())
         });

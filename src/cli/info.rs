@@ -109,7 +109,7 @@ fn methods(scene: &CompiledScene) -> Vec<&'static str> {
         return list;
     }
     list.push("photon");
-    if !(n.mirrors || n.glossy || n.round_shapes) {
+    if !(n.mirrors || n.glossy || n.round_shapes || n.environment_image) {
         list.push("radiosity");
     }
     list
@@ -154,6 +154,7 @@ fn describe(scene: &CompiledScene, report: &CompileReport, stages: &Stages) -> V
             "point_like_lights": n.point_like_lights,
             "area_lights": n.area_lights,
             "environment": n.environment,
+            "environment_image": n.environment_image,
             "light_choice": n.light_choice,
             "thin_lens": n.thin_lens,
             "media": n.media,

@@ -26,6 +26,11 @@ pub(super) fn scene_hash(scene: &CompiledScene) -> String {
     part(bytemuck::cast_slice(&scene.texels));
     part(bytemuck::cast_slice(&scene.lights));
     part(bytemuck::cast_slice(&scene.environment));
+    if let Some(map) = &scene.environment_map {
+        part(bytemuck::cast_slice(&[map.width, map.height]));
+        part(bytemuck::cast_slice(&map.texels));
+        part(bytemuck::cast_slice(&map.to_world));
+    }
     part(bytemuck::cast_slice(&scene.media));
     part(bytemuck::cast_slice(&scene.grids));
     part(bytemuck::cast_slice(&scene.grid_values));

@@ -25,6 +25,7 @@ pub fn transport_hash(scene: &CompiledScene) -> [u8; 32] {
         lights,
         light_cumulative: _,
         environment: _,
+        environment_map: _,
         media,
         grids,
         grid_values,

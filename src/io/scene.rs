@@ -139,7 +139,7 @@ pub fn parse_scene_toml(text: &str, file: &Path, source: &dyn FileSource) -> Res
         loader.desc.shapes.push(fields::shape(section, &names)?);
     }
     for section in &lights {
-        loader.desc.lights.push(fields::light(section)?);
+        loader.desc.lights.push(fields::light(section, &mut loader, file)?);
     }
     let mut requests = Vec::new();
     for section in &meshes {

@@ -4,11 +4,13 @@ use std::path::Path;
 
 use etendue_core::math;
 use etendue_core::scene::{
-    CameraDesc, EnvironmentDesc, GridDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, Reflectance, ShapeDesc,
-    ShapeKind,
+    CameraDesc, EnvironmentDesc, EnvironmentImage, GridDesc, LightDesc, MaterialDesc, MaterialKind,
+    MediumDesc, Reflectance, ShapeDesc, ShapeKind, srgb_to_linear,
 };
 
-use super::error::{LoadError, Problem, quoted};
+use super::bitmap::parse_texture;
+use super::error::{LoadError, quoted};
+use super::exr::parse_exr;
 use super::mesh::{Loader, MeshOptions, MtlMode};
 use super::scene::Names;
 use super::toml_view::Section;
@@ -16,6 +18,10 @@ use super::volume;
 
 /// Larger images are refused, in either direction.
 const MAX_RESOLUTION: u32 = 65_536;
+/// Longer files of pictures are refused.
+const MAX_PICTURE: u64 = 1 << 31;
+/// How OpenEXR files begin.
+const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// What a `[[mesh]]` asks for.
 pub(crate) struct MeshRequest {
@@ -182,7 +188,36 @@ pub(crate) fn shape(s: &Section<'_>, names: &Names) -> Result<ShapeDesc, LoadErr
     Ok(shape)
 }
 
-pub(crate) fn light(s: &Section<'_>) -> Result<LightDesc, LoadError> {
+/// The picture of an environment: OpenEXR, or PNG and JPEG decoded from sRGB; turned about +y, from +z towards +x (counter-clockwise seen from above) where `degrees` are positive.
+fn picture(
+    s: &Section<'_>,
+    loader: &mut Loader<'_>,
+    file: &Path,
+    degrees: f32,
+) -> Result<Option<EnvironmentImage>, LoadError> {
+    let Some((name, line)) = s.text("file")? else { return Ok(None) };
+    let Some(path) = loader.find(file, line, &name) else {
+        let expected = "an EXR, PNG or JPEG beside the scene file";
+        return Err(s.error(line, "file", quoted(&name), expected));
+    };
+    if !degrees.is_finite() {
+        return Err(s.error(line, "rotate_deg", degrees.to_string(), "a finite angle in degrees"));
+    }
+    let bytes = loader.bytes(&path, MAX_PICTURE)?;
+    let (width, height, texels) = if bytes.starts_with(&EXR_MAGIC) {
+        let image = parse_exr(&bytes, &path)?;
+        (image.width, image.height, image.radiance)
+    } else {
+        let image = parse_texture(&bytes, &name, &path)?;
+        let linear = |t: &[u8; 3]| t.map(srgb_to_linear);
+        (image.width, image.height, image.texels.iter().map(linear).collect())
+    };
+    let (sin, cos) = math::sin_cos(degrees % 360.0 * (math::PI / 180.0));
+    let to_world = [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]];
+    Ok(Some(EnvironmentImage { width, height, texels, to_world }))
+}
+
+pub(crate) fn light(s: &Section<'_>, loader: &mut Loader<'_>, file: &Path) -> Result<LightDesc, LoadError> {
     let light = match kind_of(s, &["point", "spot", "directional", "environment"])? {
         "point" => LightDesc::Point { position: vector(s, "position")?, intensity: vector(s, "intensity")? },
         "spot" => {
@@ -200,14 +235,12 @@ pub(crate) fn light(s: &Section<'_>) -> Result<LightDesc, LoadError> {
             irradiance: vector(s, "irradiance")?,
         },
         _ => {
-            if let Some((_, line)) = s.text("file")? {
-                let mut err = s.error(line, "file", "", "");
-                err.problem = Problem::Unsupported("an environment from a file".into());
-                return Err(err);
-            }
             // Turning an environment that is the same all round changes nothing.
-            scalar_or(s, "rotate_deg", 0.0)?;
-            LightDesc::Environment(EnvironmentDesc::uniform(vector(s, "radiance")?))
+            let degrees = scalar_or(s, "rotate_deg", 0.0)?;
+            let image = picture(s, loader, file, degrees)?;
+            let radiance =
+                if image.is_some() { vector_or(s, "radiance", [1.0; 3])? } else { vector(s, "radiance")? };
+            LightDesc::Environment(EnvironmentDesc { radiance, image })
         }
     };
     s.finish()?;

@@ -107,7 +107,8 @@ pub fn encode_vol(volume: &Volume, file: &Path) -> Result<Vec<u8>, SaveError> {
     let fits = volume.size.iter().all(|n| (1..=MAX_SIZE as u32).contains(n));
     if !fits || !matches!(volume.channels, 1 | 3) || volume.values.len() as u64 != count {
         let found = volume.values.len();
-        let reason = format!("{found} values do not fill {x} x {y} x {z} cells of {} channels", volume.channels);
+        let reason =
+            format!("{found} values do not fill {x} x {y} x {z} cells of {} channels", volume.channels);
         return Err(SaveError::new(file, reason));
     }
     let mut bytes = Vec::with_capacity(HEADER + 4 * volume.values.len());

@@ -3,7 +3,7 @@
 //! Quantity: flux Phi \[W\] per channel. Every light has a density of its own under which all its photons carry the same flux, its whole
 //! flux: uniform over the sphere or the lit cone for lights without size (a spot's falloff is inverted, not weighted), uniform over the surface and
 //! by the cosine for surface lights, uniform over the disk that the scene's bounding sphere shows for what comes from infinity.
-//! So a light's flux is also what its photons must add up to, and lights can be picked by it.
+//! (For the picture of an environment nearly so.) So a light's flux is also what its photons must add up to, and lights can be picked by it.
 
 use super::extent;
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
@@ -37,7 +37,7 @@ pub fn toward(light: &LightRecord, p: Vec3) -> Vec3 {
     math::normalize_or(Vec3::from_array(light.point) - p, Vec3::ZERO)
 }
 
-/// Emitted flux \[W\] per channel; of a directional light what reaches a sphere of `radius` \[m\] around the scene.
+/// Emitted flux \[W\] per channel; of what comes from infinity what reaches a sphere of `radius` \[m\] around the scene.
 #[inline]
 pub fn flux(light: &LightRecord, radius: f32) -> Vec3 {
     let radiance = Vec3::from_array(light.radiance);
@@ -47,6 +47,8 @@ pub fn flux(light: &LightRecord, radius: f32) -> Vec3 {
         radiance * spot_solid_angle(light.params)
     } else if light.kind == LightKind::Directional as u32 {
         radiance * (PI * radius * radius)
+    } else if light.kind == LightKind::Environment as u32 {
+        Vec3::from_array(light.edge1) * (PI * radius * radius)
     } else {
         radiance * (PI * light.area)
     }
@@ -150,6 +152,9 @@ pub fn emit(light: &LightRecord, sphere: (Vec3, f32), u: [f32; 4]) -> Emission {
         Ray { origin: at, direction: sample_spot(e1, light.params, place), t_max: f32::MAX }
     } else if light.kind == LightKind::Directional as u32 {
         from_infinity(normal, sphere, place)
+    } else if light.kind == LightKind::Environment as u32 {
+        // All directions alike; its picture is the scene's: see `emit_entry`.
+        from_infinity(warp::sample_sphere(place), sphere, way)
     } else if light.kind == LightKind::Triangle as u32 {
         let [_, b1, b2] = warp::sample_triangle(place);
         from_surface(light, at + e1 * b1 + e2 * b2, normal, way)
@@ -173,6 +178,19 @@ pub fn emit_environment(radiance: Vec3, sphere: (Vec3, f32), u: [f32; 4]) -> Emi
     Emission { ray: from_infinity(travel, sphere, [u[2], u[3]]), flux: environment_flux(radiance, sphere.1) }
 }
 
+/// A photon of the picture of an environment: by its density, and uniform over the disk. Unlike those of other lights its flux, L pi R^2 / density, is not the same for all: radiance is bilinear
+/// where the density is constant.
+#[inline(never)]
+fn emit_picture(scene: &CompiledScene, sphere: (Vec3, f32), u: [f32; 4]) -> Emission {
+    let way = [u[2], u[3]];
+    let Some(map) = &scene.environment_map else {
+        return emit_environment(Vec3::ZERO, sphere, u);
+    };
+    let s = map.sample_units([u[0], u[1]], way);
+    let flux = if s.pdf > 0.0 { s.radiance * (PI * sphere.1 * sphere.1 / s.pdf) } else { Vec3::ZERO };
+    Emission { ray: from_infinity(-s.wi, sphere, way), flux }
+}
+
 /// Mean flux \[W\] of entry `index` of what emits in a scene: its lights, and after them the environment. 0 beyond that.
 pub fn mean_flux(scene: &CompiledScene, index: usize) -> f32 {
     math::mean(entry_flux(scene, index))
@@ -192,6 +210,7 @@ pub fn entry_flux(scene: &CompiledScene, index: usize) -> Vec3 {
 #[inline]
 pub fn emit_entry(scene: &CompiledScene, index: usize, sphere: (Vec3, f32), u: [f32; 4]) -> (Emission, bool) {
     match scene.lights.get(index) {
+        Some(light) if light.kind == LightKind::Environment as u32 => (emit_picture(scene, sphere, u), false),
         Some(light) => (emit(light, sphere, u), is_point_like(light)),
         None => (emit_environment(Vec3::from_array(scene.environment), sphere, u), false),
     }

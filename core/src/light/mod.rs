@@ -6,11 +6,15 @@
 //! lights emit from their front only.
 
 pub mod emit;
+mod environment;
+
+pub use environment::{EnvironmentMap, EnvironmentSample};
 
 use crate::geometry::{Ray, SurfacePoint, offset_origin, segment};
 use crate::math::{self, TAU, Vec3};
 use crate::sampling::{discrete, warp};
-use crate::scene::{LightKind, LightRecord};
+use crate::scene::{CompiledScene, LightKind, LightRecord};
+use crate::transport::mis;
 
 /// A place on a light, seen from a receiving point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,18 +35,66 @@ pub struct LightSample {
     pub distant: bool,
 }
 
-/// Picks a light and a place on it. `pick` is a full 32-bit random number, `u` in [0, 1).
+/// Picks a light of a scene and a place on it, by three full 32-bit random numbers: the light, the place.
 /// `None` where the chosen light sends nothing to `p`.
 #[inline(always)]
-pub fn sample_lights(
-    lights: &[LightRecord],
-    cumulative: &[u32],
+pub fn sample_lights(scene: &CompiledScene, p: Vec3, [pick, u, v]: [u32; 3]) -> Option<LightSample> {
+    let lights = &scene.lights;
+    let index =
+        if lights.len() == 1 { 0 } else { discrete::pick_in(&scene.light_cumulative, pick).index as usize };
+    sample_light(scene, lights.get(index)?, p, [u, v])
+}
+
+/// A place on one light of a scene as seen from `p`, by two full 32-bit random numbers; the density includes the light's pick probability. As [`sample`], and pictures of environments too.
+#[inline(always)]
+pub fn sample_light(
+    scene: &CompiledScene,
+    light: &LightRecord,
     p: Vec3,
-    pick: u32,
-    u: [f32; 2],
+    words: [u32; 2],
 ) -> Option<LightSample> {
-    let index = if lights.len() == 1 { 0 } else { discrete::pick_in(cumulative, pick).index as usize };
-    sample(lights.get(index)?, p, u)
+    if light.kind == LightKind::Environment as u32 {
+        return sample_environment(scene, light, p, words);
+    }
+    sample(light, p, words.map(math::u32_to_unit))
+}
+
+#[inline(never)]
+fn sample_environment(
+    scene: &CompiledScene,
+    light: &LightRecord,
+    p: Vec3,
+    words: [u32; 2],
+) -> Option<LightSample> {
+    let s = scene.environment_map.as_ref()?.sample(words);
+    let pdf = s.pdf * light.pmf;
+    let contribution = s.radiance / pdf;
+    (pdf > 0.0 && pdf <= f32::MAX && contribution.is_finite()).then_some(LightSample {
+        wi: s.wi,
+        contribution,
+        pdf,
+        point: p,
+        normal: Vec3::ZERO,
+        extent: 0.0,
+        distant: true,
+    })
+}
+
+/// Radiance \[W m^-2 sr^-1\] that arrives along a ray that leaves the scene in a unit direction, drawn with density `pdf` per solid angle (0: nothing competed with it): the
+/// constant environment, and the picture by its weight against light sampling. `share`: what the density of light sampling is multiplied by.
+#[inline(always)]
+pub fn escaped(scene: &CompiledScene, direction: Vec3, pdf: f32, share: f32) -> Vec3 {
+    let uniform = Vec3::from_array(scene.environment);
+    match &scene.environment_map {
+        None => uniform,
+        Some(map) => uniform + pictured(map, direction, pdf, share),
+    }
+}
+
+#[inline(never)]
+fn pictured(map: &EnvironmentMap, direction: Vec3, pdf: f32, share: f32) -> Vec3 {
+    let (radiance, other) = map.meet(direction);
+    if pdf > 0.0 { radiance * mis::power_heuristic(pdf, other * map.light_pmf * share) } else { radiance }
 }
 
 /// Smoothstep of source C's spot between the cosines of its cone and of its falloff.
@@ -93,6 +145,10 @@ pub fn sample(light: &LightRecord, p: Vec3, u: [f32; 2]) -> Option<LightSample> 
             extent: 0.0,
             distant: true,
         });
+    }
+    if light.kind == LightKind::Environment as u32 {
+        // Its picture is the scene's: see `sample_light`.
+        return None;
     }
     // Point and spot.
     let to = at - p;

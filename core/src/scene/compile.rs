@@ -7,6 +7,7 @@ use super::desc::{
     LightDesc, MaterialDesc, MaterialKind, MediumDesc, MeshDesc, Reflectance, SceneDesc, ShapeDesc,
     ShapeKind, TextureDesc,
 };
+use super::environment;
 use super::error::{Cleanup, CompileReport, SceneError};
 use super::grid;
 use super::lights::{self, LightDraft};
@@ -14,6 +15,7 @@ use super::material::material_record;
 use super::mesh::{MeshTransform, check_mesh, repeated_triangles};
 use super::needs::SceneNeeds;
 use crate::geometry::{Aabb, BoxTree, RoundShape, geometric_normal, sliver_factor};
+use crate::light::emit::is_point_like;
 use crate::math::{self, Vec3};
 use crate::sensor::Camera;
 use alloc::collections::BTreeMap;
@@ -124,6 +126,7 @@ impl Default for CompiledScene {
             lights: Vec::new(),
             light_cumulative: Vec::new(),
             environment: [0.0; 3],
+            environment_map: None,
             media: Vec::new(),
             grids: Vec::new(),
             grid_values: Vec::new(),
@@ -510,11 +513,12 @@ impl Builder {
 
     fn light(&mut self, index: usize, light: &LightDesc) -> Result<(), SceneError> {
         if let LightDesc::Environment(e) = light {
-            if e.image.is_some() {
-                self.unsupported("pictures of environments");
-            }
             let place = format!("light {index} (environment)");
             not_negative(&place, "radiance", &e.radiance)?;
+            if let Some(image) = &e.image {
+                self.lights.push(environment::draft(&mut self.out, &place, e.radiance, image)?);
+                return Ok(());
+            }
             for (sum, x) in self.out.environment.iter_mut().zip(e.radiance) {
                 *sum += x;
             }
@@ -528,7 +532,8 @@ impl Builder {
         let out = &mut self.out;
         let mut needs = SceneNeeds {
             round_shapes: !out.shapes.is_empty(),
-            environment: out.environment != [0.0; 3],
+            environment: out.environment != [0.0; 3] || out.environment_map.is_some(),
+            environment_image: out.environment_map.is_some(),
             light_choice: out.lights.len() > 1,
             thin_lens: out.camera.is_some_and(|c| c.lens_radius > 0.0),
             media: self.media_present,
@@ -558,9 +563,8 @@ impl Builder {
             }
         }
         for l in &out.lights {
-            let surface = l.primitive != NO_INDEX;
-            needs.area_lights |= surface;
-            needs.point_like_lights |= !surface;
+            needs.area_lights |= l.primitive != NO_INDEX;
+            needs.point_like_lights |= is_point_like(l);
         }
         out.needs = needs;
     }

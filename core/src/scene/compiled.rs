@@ -5,6 +5,7 @@
 
 use super::needs::SceneNeeds;
 use crate::geometry::{Aabb, BoxTree, Primitives, RoundShape};
+use crate::light::EnvironmentMap;
 use crate::math::{self, Vec3};
 use crate::sensor::Camera;
 use alloc::string::String;
@@ -113,6 +114,8 @@ pub enum LightKind {
     Sphere = 5,
     /// Centre `point`, `normal`, `params[0]` = radius.
     Disk = 6,
+    /// The picture of an environment, of which there is one: `radiance` = the largest, `edge1` = integral of radiance over all directions \[W m^-2\].
+    Environment = 7,
 }
 
 /// One light. Fields that a kind does not name are zero.
@@ -214,6 +217,8 @@ pub struct CompiledScene {
     pub light_cumulative: Vec<u32>,
     /// Radiance of the constant environment \[W m^-2 sr^-1\]; zero without one.
     pub environment: [f32; 3],
+    /// The picture of the environment, which is added to the constant one.
+    pub environment_map: Option<EnvironmentMap>,
     /// Media.
     pub media: Vec<MediumRecord>,
     /// Grids that media refer to.

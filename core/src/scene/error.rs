@@ -75,6 +75,11 @@ pub enum SceneError {
         /// The length expected.
         expected: usize,
     },
+    /// More than one picture of the environment.
+    SecondImage {
+        /// What holds the second.
+        place: String,
+    },
     /// The scene has no surface at all.
     Empty,
     /// More elements than 32-bit indices can count.
@@ -112,6 +117,12 @@ impl fmt::Display for SceneError {
             ),
             Self::WrongLength { place, field, found, expected } => {
                 write!(f, "{place}: {field} has {found} entries, expected {expected}")
+            }
+            Self::SecondImage { place } => {
+                write!(
+                    f,
+                    "{place}: a second picture of the environment, expected at most one (constant ones are added to it)"
+                )
             }
             Self::Empty => write!(f, "the scene has no surfaces: expected a mesh or a shape"),
             Self::TooLarge { what, found } => {

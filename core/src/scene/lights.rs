@@ -85,6 +85,14 @@ impl LightDraft {
         Self::edges(LightKind::Parallelogram, primitive, corner, [e1, e2], area, radiance)
     }
 
+    /// The picture of an environment: the largest radiance, and the integral over all directions.
+    pub(super) fn environment(largest: [f32; 3], integral: [f32; 3], radius: f32) -> Self {
+        let record =
+            LightRecord { kind: LightKind::Environment as u32, radiance: largest, edge1: integral, ..EMPTY };
+        let flux = f64::from(PI) * f64::from(radius) * f64::from(radius) * mean(integral);
+        Self { record, flux }
+    }
+
     /// A sphere or a disk.
     pub(super) fn round(primitive: u32, shape: &RoundShape, radiance: [f32; 3]) -> Self {
         let r = shape.radius;
@@ -165,6 +173,12 @@ pub(super) fn finish(
     report: &mut CompileReport,
 ) -> Result<(), SceneError> {
     let before = drafts.len();
+    if drafts
+        .iter()
+        .all(|d| d.record.kind != LightKind::Environment as u32 || !(d.flux > 0.0 && d.flux.is_finite()))
+    {
+        out.environment_map = None;
+    }
     let lit: Vec<LightDraft> = drafts.into_iter().filter(|d| d.flux > 0.0 && d.flux.is_finite()).collect();
     report.count(Cleanup::DarkLights, (before - lit.len()) as u64);
     if lit.is_empty() {
@@ -178,6 +192,11 @@ pub(super) fn finish(
         .map_err(|_| SceneError::TooLarge { what: "lights", found: weights.len() })?;
     for (i, d) in lit.into_iter().enumerate() {
         let record = LightRecord { pmf: cdf.pmf(i as u32), ..d.record };
+        if record.kind == LightKind::Environment as u32
+            && let Some(map) = &mut out.environment_map
+        {
+            (map.light, map.light_pmf) = (i as u32, record.pmf);
+        }
         if record.primitive != NO_INDEX {
             out.surfaces[record.primitive as usize].light = i as u32;
             if record.kind == LightKind::Parallelogram as u32 {

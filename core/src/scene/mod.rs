@@ -9,6 +9,7 @@ mod bitmap;
 mod compile;
 mod compiled;
 mod desc;
+mod environment;
 mod error;
 mod grid;
 mod lights;

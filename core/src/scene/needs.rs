@@ -25,6 +25,8 @@ pub struct SceneNeeds {
     pub area_lights: bool,
     /// Light from infinity in all directions.
     pub environment: bool,
+    /// Some of it by a picture.
+    pub environment_image: bool,
     /// More than one light to choose from.
     pub light_choice: bool,
     /// The camera has a lens.
@@ -90,6 +92,7 @@ impl fmt::Display for SceneNeeds {
             (self.point_like_lights, "point-like lights"),
             (self.area_lights, "area lights"),
             (self.environment, "environment light"),
+            (self.environment_image, "a picture of the environment"),
             (self.light_choice, "a choice of lights"),
             (self.thin_lens, "thin lens"),
             (self.media, "participating media"),

@@ -4,7 +4,7 @@
 //! has been scattered. Who brings which light, so that each path from a light counts once:
 //!
 //! - The **map** holds all arrivals but the first of lights without size (point, spot, directional); first arrivals of emissive surfaces and of the environment are
-//!   in it.
+//!   in it. (Of surfaces below the picture of an environment is one, far away.)
 //! - **Reading** at a vertex x: albedo / pi times (the map at x + the direct irradiance of lights without size, in closed form but for its shadow rays; beyond 64 lights, or 4 at second hand, of so many chosen by flux). The
 //!   map knows nothing of directions, so that it answers for the diffuse part alone. A Phong lobe takes the direct light of lights without size by its value, one
 //!   sample of surface lights, and is followed by a ray of its own; mirrors are followed. That ray, and no map, brings what it finds: emission (surfaces by
@@ -34,7 +34,7 @@ use crate::bsdf::{diffuse, phong};
 use crate::geometry::{Hit, Intersector, Ray, SurfacePoint};
 use crate::illumination::Elements;
 use crate::light::{self, LightSample, emit};
-use crate::math::{self, INV_PI, PI, Vec3};
+use crate::math::{INV_PI, PI, Vec3};
 use crate::sampling::discrete::IntegerCdf;
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, LightRecord};
@@ -70,7 +70,7 @@ impl Choice {
     }
 }
 
-/// The lights of a scene as they are sampled here: those without size, and those that are surfaces.
+/// The lights of a scene as they are sampled here: those without size, and those that are surfaces or the picture of an environment.
 #[derive(Clone, Debug)]
 pub struct GatherLights {
     point_like: Choice,
@@ -239,7 +239,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         loop {
             walk.rays += 1;
             let Some(hit) = intersector.closest_hit(&walk.ray) else {
-                walk.radiance += walk.throughput * Vec3::from_array(self.scene.environment);
+                walk.radiance += walk.throughput
+                    * light::escaped(self.scene, walk.ray.direction, walk.pdf, self.lights.surface_share);
                 return;
             };
             let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &walk.ray, &hit) else {
@@ -436,8 +437,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         }
         let [word, u, v, _] = walk.sampler.bits4(1 + 2 * walk.depth);
         let Some((light, factor)) = choice.pick(self.scene, word) else { return };
-        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
-        let Some(s) = light::sample(light, surface.point.position, u) else { return };
+        let Some(s) = light::sample_light(self.scene, light, surface.point.position, [u, v]) else { return };
         let (lobes, n) = (&surface.lobes, surface.shading);
         let density = s.pdf * self.lights.surface_share;
         let mut f = Vec3::ZERO;

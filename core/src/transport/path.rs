@@ -1,7 +1,7 @@
 //! Path tracing from the sensor with light sampling and multiple importance sampling.
 //!
 //! Estimates radiance \[W m^-2 sr^-1\] along camera rays, or irradiance \[W/m^2\] at probes. At each vertex one light
-//! is sampled by flux and one direction by the lobes; both find surface lights and are combined by the power
+//! is sampled by flux and one direction by the lobes; both find surface lights and pictures of environments and are combined by the power
 //! heuristic (Veach 1997, ch. 9). The constant environment is found by scattering alone. Paths end by roulette from the
 //! fifth edge on: the chance to survive is the factor by which the last scattering changed the throughput (its largest
 //! channel), at most 0.95, so that paths end even in a closed room of albedo 1. Unbiased for what surfaces carry, up to
@@ -12,7 +12,7 @@ use super::paths::{Paths, ProbeStart};
 use super::{Answer, Query, Surface, mis, surface_at};
 use crate::geometry::{Hit, Ray};
 use crate::light;
-use crate::math::{self, PI, Vec3};
+use crate::math::{PI, Vec3};
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::CompiledScene;
 
@@ -57,7 +57,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     #[inline(always)]
     fn arrive(&self, state: &mut PathState, hit: Option<Hit>) -> Query {
         let Some(hit) = hit else {
-            state.radiance += state.throughput * Vec3::from_array(self.scene.environment);
+            state.radiance +=
+                state.throughput * light::escaped(self.scene, state.ray.direction, state.pdf, 1.0);
             return Query::Done;
         };
         let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &state.ray, &hit) else {
@@ -114,9 +115,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             return None;
         }
         let [pick, u, v, _] = state.sampler.bits4(group);
-        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
-        let p = surface.point.position;
-        let s = light::sample_lights(&scene.lights, &scene.light_cumulative, p, pick, u)?;
+        let s = light::sample_lights(scene, surface.point.position, [pick, u, v])?;
         if s.wi.dot(surface.geometric) <= 0.0 {
             return None;
         }

@@ -38,7 +38,7 @@ pub fn has_inside(scene: &CompiledScene) -> bool {
 
 /// Whether light comes from infinity.
 pub fn has_infinity(scene: &CompiledScene) -> bool {
-    scene.environment != [0.0; 3]
+    scene.needs.environment
         || scene.lights.iter().any(|l| l.kind == crate::scene::LightKind::Directional as u32)
 }
 

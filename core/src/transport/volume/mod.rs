@@ -131,7 +131,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             }
         }
         let Some(hit) = hit else {
-            state.radiance += state.throughput * Vec3::from_array(self.scene.environment);
+            state.radiance +=
+                state.throughput * light::escaped(self.scene, state.ray.direction, state.pdf, 1.0);
             return Query::Done;
         };
         let (hit, beyond) = resolve(self.scene, &state.ray, hit, state.inside);
@@ -261,8 +262,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             return None;
         }
         let [pick, u, v, _] = state.sampler.bits4(group);
-        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
-        let s = light::sample_lights(&scene.lights, &scene.light_cumulative, vertex.position(), pick, u)?;
+        let s = light::sample_lights(scene, vertex.position(), [pick, u, v])?;
         let (f, other) = vertex.scattering(s.wi);
         let mut carried = state.throughput * f * s.contribution;
         if s.pdf > 0.0 {
