@@ -82,18 +82,25 @@ fn truth(map: &EnvironmentMap, d: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// Directions and their solid angles, over the sphere in the picture's axes.
+/// Directions and their solid angles: n by n in each cell of four texels.
 fn sphere(map: &EnvironmentMap, n: usize) -> impl Iterator<Item = (Vec3, f64)> + '_ {
     let m = map.to_world.map(|r| r.map(f64::from));
-    (0..n * n * 2).map(move |k| {
-        let (i, j) = (k % (2 * n), k / (2 * n));
-        let phi = TAU * ((i as f64 + 0.5) / (2 * n) as f64 - 0.5);
-        let (a, b) = (PI * j as f64 / n as f64, PI * (j + 1) as f64 / n as f64);
+    let (across, down) = (map.width as usize * n, (map.height.max(2) - 1) as usize * n);
+    (0..across * down).map(move |k| {
+        let (i, j) = (k % across, k / across);
+        // From the first column's centre on.
+        let phi = TAU * (((i as f64 + 0.5) / n as f64 + 0.5) / f64::from(map.width) - 0.5);
+        let (a, b) = (PI * j as f64 / down as f64, PI * (j + 1) as f64 / down as f64);
         let theta = 0.5 * (a + b);
         let l = [theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos()];
         let d = m.map(|row| (0..3).map(|k| row[k] * l[k]).sum::<f64>() as f32);
-        (Vec3::from_array(d), (a.cos() - b.cos()) * TAU / (2 * n) as f64)
+        (Vec3::from_array(d), (a.cos() - b.cos()) * TAU / across as f64)
     })
+}
+
+/// As fine as some 10^5 directions are.
+fn fine(map: &EnvironmentMap) -> usize {
+    (400.0 / f64::from(map.width * map.height.max(2)).sqrt()) as usize + 1
 }
 
 #[test]
@@ -125,7 +132,7 @@ fn radiance_is_bilinear_in_the_angles() {
     for light in pictures() {
         let m = map(light);
         let largest = m.texels.iter().flatten().fold(0.0_f32, |a, b| a.max(*b));
-        for (d, _) in sphere(&m, 41) {
+        for (d, _) in sphere(&m, 7) {
             let found = m.radiance(d);
             let truth = truth(&m, d.to_array().map(f64::from));
             for c in 0..3 {
@@ -142,7 +149,7 @@ fn densities_add_up_and_are_nowhere_missing() {
         let scene = scene_of(vec![light]).unwrap();
         let m = scene.environment_map.as_ref().unwrap();
         let (mut sum, mut radiance) = (0.0, [0.0; 3]);
-        for (d, w) in sphere(m, 360) {
+        for (d, w) in sphere(m, fine(m)) {
             let (l, pdf) = m.meet(d);
             assert_eq!((l, pdf), (m.radiance(d), m.pdf_solid_angle(d)));
             assert!(pdf > 0.0 || l == Vec3::ZERO, "{k}: {d} {l}");
@@ -170,19 +177,21 @@ fn what_is_drawn_has_the_stated_density() {
     for (k, light) in pictures().into_iter().enumerate() {
         let m = map(light);
         let n = 200_000_u32;
-        // By bins of longitude and height in the picture's axes.
-        let (across, down) = (8, 6);
+        // By quarters of cells.
+        let (w, h) = (f64::from(m.width), f64::from(m.height.max(2) - 1));
+        let across = 2 * m.width as usize;
         let bin = |d: Vec3| {
             let t = m.to_world.map(Vec3::from_array);
             let l = t[0] * d.x + t[1] * d.y + t[2] * d.z;
-            let u = f64::from(l.x).atan2(f64::from(-l.z)) / TAU + 0.5;
-            let v = (0.5 - 0.5 * f64::from(l.y)).clamp(0.0, 0.999_999);
-            (v * f64::from(down)) as usize * across + (u.clamp(0.0, 0.999_999) * across as f64) as usize
+            let u = f64::from(l.x).atan2(f64::from(-l.z)) / TAU + 0.5 - 0.5 / w;
+            let v = f64::from(l.x).hypot(f64::from(l.z)).atan2(f64::from(l.y)) / PI;
+            ((v * 2.0 * h).min(2.0 * h - 1.0) as usize) * across
+                + ((u.rem_euclid(1.0) * 2.0 * w) as usize).min(across - 1)
         };
-        let bins = across * down as usize;
+        let bins = across * 2 * h as usize;
         let (mut found, mut expected) = (vec![0.0; bins], vec![0.0; bins]);
-        for (d, w) in sphere(&m, 480) {
-            expected[bin(d)] += w * f64::from(m.pdf_solid_angle(d)) * f64::from(n);
+        for (d, angle) in sphere(&m, 2) {
+            expected[bin(d)] += angle * f64::from(m.pdf_solid_angle(d)) * f64::from(n);
         }
         let (mut differ, mut sums) = (0, [0.0, 0.0]);
         for i in 0..n {
@@ -198,13 +207,12 @@ fn what_is_drawn_has_the_stated_density() {
         }
         assert!(differ < n / 5000, "{k}: {differ}");
         for (f, e) in found.iter().zip(&expected) {
-            // What the sums over the sphere miss at borders of cells.
-            let slack = 2e-3 * e + 5e-4 * f64::from(n) / bins as f64;
-            assert!((f - e).abs() <= 4.5 * f64::max(*e, 1.0).sqrt() + slack, "{k}: {f} {e}");
+            // 6000 quarters, and steps of rounding at their borders.
+            assert!((f - e).abs() <= 5.5 * f64::max(*e, 2.0).sqrt() + 1e-3 * e, "{k}: {f} {e}");
         }
         let mean = sums[0] / f64::from(n);
         let error = (sums[1] / f64::from(n) - mean * mean).max(0.0).sqrt() / f64::from(n).sqrt();
-        let truth = sphere(&m, 480).map(|(d, w)| w * f64::from(m.radiance(d).x)).sum::<f64>();
+        let truth = sphere(&m, fine(&m)).map(|(d, w)| w * f64::from(m.radiance(d).x)).sum::<f64>();
         assert!((mean - truth).abs() <= 4.5 * error + 2e-3 * truth, "{k}: {mean} {truth} {error}");
     }
 }

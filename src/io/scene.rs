@@ -139,7 +139,8 @@ pub fn parse_scene_toml(text: &str, file: &Path, source: &dyn FileSource) -> Res
         loader.desc.shapes.push(fields::shape(section, &names)?);
     }
     for section in &lights {
-        loader.desc.lights.push(fields::light(section, &mut loader, file)?);
+        let light = fields::light(section, &mut loader, file)?;
+        loader.desc.lights.push(light);
     }
     let mut requests = Vec::new();
     for section in &meshes {
