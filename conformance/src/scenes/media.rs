@@ -3,7 +3,7 @@
 use super::cases::{Case, Measure, ROUNDING};
 use super::{camera, diffuse, environment, material, probe, shape, sphere};
 use etendue_core::scene::{
-    CameraDesc, LightDesc, MaterialKind, MediumDesc, Reflectance, SceneDesc, ShapeDesc, ShapeKind,
+    CameraDesc, GridDesc, LightDesc, MaterialKind, MediumDesc, Reflectance, SceneDesc, ShapeDesc, ShapeKind,
 };
 use std::f64::consts::PI;
 
@@ -23,6 +23,7 @@ pub(super) fn cases() -> Vec<Case> {
     all.extend(lossless());
     all.push(glow());
     all.push(glowing_fog());
+    all.extend(grids());
     all
 }
 
@@ -143,6 +144,45 @@ fn slabs() -> Vec<Case> {
         add("beam", lit, [truth[0], truth[1]], 12_288);
         add("diffuse", under_lamp(scene), [PI * truth[2], PI * truth[3]], 16_384);
     }
+    all
+}
+
+/// Media on grids: what depends on the optical thickness alone does not know how it is distributed.
+fn grids() -> Vec<Case> {
+    let mut all = Vec::new();
+    // The slab of the table above, its density from layer to layer; the mean of the layers is 1.
+    let layers = |values: Vec<f32>, channels: u32| GridDesc {
+        size: [1, 1, values.len() as u32 / channels],
+        channels,
+        values,
+        to_world: [[2.0 * WIDE, 0.0, 0.0, -WIDE], [0.0, 2.0 * WIDE, 0.0, -WIDE], [0.0, 0.0, 1.0, 0.0]],
+    };
+    let mut scene = SceneDesc { lights: vec![beam(1.0)], ..slab(1.0, 1.0, 0.0, MaterialKind::Null) };
+    scene.media[0].density = Some(layers(vec![0.0, 2.5, 0.25, 0.75, 1.5], 1));
+    let measure = Measure::Probes(vec![probe([0.3, -0.2, 1.2], DOWN), probe([0.3, -0.2, -0.2], UP)]);
+    let source = "Heaslet and Warming 1965; M. Modest, Radiative Heat Transfer, table 14.1";
+    let made = case("media/grid_slab".into(), source, scene, measure, [0.0; 3], 12_288);
+    all.push(Case { truth: vec![[0.341_328_759_80; 3], [0.658_671_240_20; 3]], ..made });
+    // A lamp through sigma(x) = 0.2 + 0.5 x on [0, 3]; in the other channels through 0 and through 0.1 + 0.2 x.
+    let kind = ShapeKind::Box { min: [0.0, -1.0, -1.0], max: [3.0, 1.0, 1.0] };
+    let lamp = ShapeKind::Rectangle { center: [4.0, 0.0, 0.0], u: [0.0, 0.0, 2.0], v: [0.0, 2.0, 0.0] };
+    let ramp = GridDesc {
+        size: [2, 1, 1],
+        channels: 3,
+        values: vec![0.2, 0.0, 0.1, 1.7, 0.0, 0.7],
+        // Cells centred on both ends.
+        to_world: [[6.0, 0.0, 0.0, -1.5], [0.0, 2.0, 0.0, -1.0], [0.0, 0.0, 2.0, -1.0]],
+    };
+    let scene = SceneDesc {
+        materials: vec![material("face", MaterialKind::Null, 0.0), diffuse("lamp", 0.0, 1.0)],
+        media: vec![MediumDesc { density: Some(ramp), ..MediumDesc::new("ramp", [1.0; 3], [0.0; 3], 0.0) }],
+        shapes: vec![filled(kind, "face", "ramp"), shape(lamp, "lamp")],
+        ..SceneDesc::default()
+    };
+    let scene = eye(scene, [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let truth = [0.057_844_320_87, 1.0, (-1.2_f64).exp()];
+    let source = "exp of minus the integral of the ramp";
+    all.push(case("media/grid_ramp".into(), source, scene, Measure::Pixels, truth, 16));
     all
 }
 

@@ -3,7 +3,10 @@
 use super::cases::{Case, Measure, POWER, ROUNDING, probes};
 use super::{camera, diffuse, environment, floor, material, mesh, point_light, probe, shape, sphere};
 use crate::statistics::Random;
-use etendue_core::scene::{MaterialKind, Reflectance, SceneDesc, ShapeKind, TextureDesc, Wrap};
+use etendue_core::scene::{
+    EnvironmentDesc, EnvironmentImage, LightDesc, MaterialKind, Reflectance, SceneDesc, ShapeKind,
+    TextureDesc, Wrap,
+};
 use std::f64::consts::PI;
 
 const UP: [f32; 3] = [0.0, 0.0, 1.0];
@@ -17,6 +20,8 @@ pub(super) fn cases() -> Vec<Case> {
         light_over_floor(),
         coincident(),
     ];
+    all.extend(pictures());
+
     for n in [1.0, 10.0, 100.0] {
         all.push(phong_albedo(n));
     }
@@ -74,6 +79,45 @@ fn white_furnace() -> Case {
     // Where the balls stand on the floor paths are long and end by roulette.
     c.power = 0.01;
     c
+}
+
+/// Irradiance under pictures of environments: of one radiance all round; linear in the angle to +y, L = 1 - theta / pi, for which a surface that faces +y receives 3 pi / 4, and one
+/// that faces +x receives pi / 2; all of it turned by a quarter.
+fn pictures() -> Vec<Case> {
+    let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // +y becomes +z.
+    let turned = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let sky = |texels: Vec<[f32; 3]>, width: u32, to_world| {
+        let height = texels.len() as u32 / width;
+        let image = Some(EnvironmentImage { width, height, texels, to_world });
+        LightDesc::Environment(EnvironmentDesc { radiance: [1.0; 3], image })
+    };
+    let gradient = || vec![[1.0; 3], [1.0; 3], [1.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]];
+    let tile = |u, v| shape(ShapeKind::Rectangle { center: [0.0; 3], u, v }, "floor");
+    let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    let one = |name: &str, light, tile, normal: [f32; 3], truth: f64| {
+        let scene = SceneDesc {
+            shapes: vec![tile],
+            materials: vec![diffuse("floor", 0.5, 0.0)],
+            lights: vec![light],
+            ..SceneDesc::default()
+        };
+        let at = normal.map(|n| 0.0 * n);
+        probes(
+            name,
+            "integral of L cos over the hemisphere",
+            scene,
+            vec![(probe(at, normal), truth)],
+            1,
+            1024,
+        )
+    };
+    vec![
+        one("picture_constant", sky(vec![[1.0; 3]; 12], 4, identity), tile(x, y), z, PI),
+        one("picture_gradient", sky(gradient(), 3, identity), tile(z, x), y, 0.75 * PI),
+        one("picture_gradient_side", sky(gradient(), 3, identity), tile(y, z), x, 0.5 * PI),
+        one("picture_gradient_turned", sky(gradient(), 3, turned), tile(x, y), z, 0.75 * PI),
+    ]
 }
 
 /// A mirror of reflectance r in a constant environment shows r.

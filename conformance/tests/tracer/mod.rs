@@ -125,7 +125,8 @@ impl Path<'_> {
             self.traced += 1;
             let Some(hit) = self.rays.trace(&ray) else {
                 if !self.has(Fault::EnvironmentDropped) {
-                    sum += throughput * Vec3::from_array(self.scene.environment);
+                    let pdf = if self.has(Fault::MisWeightDropped) { 0.0 } else { pdf };
+                    sum += throughput * light::escaped(self.scene, ray.direction, pdf, 1.0);
                 }
                 return sum;
             };
@@ -165,7 +166,7 @@ impl Path<'_> {
         }
         let l = &self.scene.lights[index];
         let p = s.point.position;
-        let Some(x) = light::sample(l, p, [u32_to_unit(u), u32_to_unit(v)]) else { return Vec3::ZERO };
+        let Some(x) = light::sample_light(self.scene, l, p, [u, v]) else { return Vec3::ZERO };
         let cos = if self.has(Fault::CosineForgotten) { 1.0 } else { x.wi.dot(s.shading).max(0.0) };
         if x.wi.dot(s.geometric) <= 0.0 || cos == 0.0 {
             return Vec3::ZERO;
