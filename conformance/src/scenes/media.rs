@@ -182,7 +182,7 @@ fn grids() -> Vec<Case> {
     let scene = eye(scene, [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
     let truth = [0.057_844_320_87, 1.0, (-1.2_f64).exp()];
     let source = "exp of minus the integral of the ramp";
-    all.push(case("media/grid_ramp".into(), source, scene, Measure::Pixels, truth, 16));
+    all.push(case("media/grid_ramp".into(), source, scene, Measure::Pixels, truth, 32_768));
     all
 }
 

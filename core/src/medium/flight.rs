@@ -15,6 +15,8 @@ pub struct Flight {
     pub collided: bool,
     /// T / density \[m\] at a collision (scattering multiplies by sigma_s yet), T / chance at a surface; per channel.
     pub weight: Vec3,
+    /// T, per channel; what null collisions estimate of it.
+    pub left: Vec3,
 }
 
 /// T = exp(-sigma_t t) per channel. No extinction leaves all, even of an infinite length.
@@ -79,7 +81,7 @@ pub fn sample(sigma_t: Vec3, carried: Vec3, limit: f32, u: [f32; 2]) -> Flight {
     let left = transmittance(sigma_t, length);
     let density = if collided { p.dot(sigma_t * left) } else { p.dot(left) };
     let weight = if density > 0.0 { left / density } else { Vec3::ZERO };
-    Flight { length, collided, weight }
+    Flight { length, collided, weight, left }
 }
 
 #[cfg(test)]

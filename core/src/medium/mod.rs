@@ -98,7 +98,7 @@ impl<'a> Medium<'a> {
             None => (limit, p.dot(left)),
         };
         let weight = if density > 0.0 { left / density } else { Vec3::ZERO };
-        Flight { length, collided: reached.length.is_some(), weight }
+        Flight { length, collided: reached.length.is_some(), weight, left }
     }
 
     /// What is left of light after a length \[m\] along a ray, per channel.

@@ -83,11 +83,12 @@ pub fn fly(
     draws: &mut Draws,
 ) -> Flight {
     let line = grid.line(origin, direction);
-    let mut weight = Vec3::ONE;
+    let (mut weight, mut left) = (Vec3::ONE, Vec3::ONE);
     let mut length = None;
     tentative(grid, &line, limit, sigma_t, draws, |t, share, v| {
         let p = channels(carried * weight);
         let chance = p.dot(share).clamp(0.0, 1.0);
+        left *= (Vec3::ONE - share).max(Vec3::ZERO);
         if v < chance {
             // Scattering multiplies by sigma_s yet: T / density has no sigma.
             let sigma = sigma_t * grid.at(origin + direction * t);
@@ -100,7 +101,7 @@ pub fn fly(
         weight *= (Vec3::ONE - share).max(Vec3::ZERO) / (1.0 - chance);
         false
     });
-    Flight { length: length.unwrap_or(limit), collided: length.is_some(), weight }
+    Flight { length: length.unwrap_or(limit), collided: length.is_some(), weight, left }
 }
 
 /// An estimate of the transmittance along a ray from `origin` \[m\] into a unit direction, per channel.

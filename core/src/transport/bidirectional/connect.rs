@@ -8,7 +8,7 @@ use crate::bsdf::Interface;
 use crate::geometry::{Ray, SurfacePoint, offset_origin, segment};
 use crate::light::LightSample;
 use crate::math::{self, Vec3};
-use crate::medium::{Inside, Medium, flight};
+use crate::medium::{Inside, Medium};
 use crate::scene::{LightRecord, material_flags};
 use crate::sensor::Camera;
 use crate::transport::back::NO_RAY;
@@ -192,8 +192,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         // The walk has been sent on already.
         let group = 1 + GROUPS * state.walk.event.wrapping_sub(1) + 1;
         let [pick, u, v, _] = state.sampler.bits4(group);
-        let u = [math::u32_to_unit(u), math::u32_to_unit(v)];
-        let (index, s) = emitters::sample(self.scene, vertex.position(), pick, u)?;
+        let (index, s) = emitters::sample(self.scene, vertex.position(), pick, [u, v])?;
         let exchange = self.with_light(&vertex, &self.scene.lights[index as usize], &s);
         let ray = if s.distant {
             Ray { origin: vertex.leave(s.wi), direction: s.wi, t_max: f32::MAX }
@@ -328,8 +327,8 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
     fn join_on(&self, state: &mut State, hit: Option<crate::geometry::Hit>) -> Option<Query> {
         let Connection { ray, lead: before, left, inside, crossed, .. } = state.connection;
         let length = hit.map_or(left, |h| before + h.t);
-        if let Some(medium) = inside.current(self.scene).map(Medium::new) {
-            let through = flight::transmittance(medium.sigma_t, length);
+        if let Some(medium) = inside.current(self.scene).map(|m| Medium::new(self.scene, m)) {
+            let through = medium.transmittance(&ray, before, length);
             state.connection.carried *= through;
             state.connection.pass *= math::mean(through);
         }

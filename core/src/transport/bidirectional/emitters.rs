@@ -1,7 +1,7 @@
 //! Where walks from lights start, and how likely.
 
 use crate::geometry::{Aabb, BoxTree, Intersector, Ray};
-use crate::light::{self, emit};
+use crate::light::{self, EnvironmentMap, emit};
 use crate::math::{self, PI, Vec3};
 use crate::medium::Inside;
 use crate::sampling::discrete;
@@ -20,7 +20,7 @@ pub(super) struct Start {
     pub normal: Vec3,
     /// What the walk carries: flux over the chance of the light.
     pub carried: Vec3,
-    /// Density of the place, the choice of the light included: per area, or 1 for what has none.
+    /// Density of the place, the choice of the light included: per area, or 1 for what has none; of the picture of an environment per solid angle.
     pub pdf_place: f32,
     /// Density of the direction per solid angle; of what comes from infinity, of the place in the beam per area.
     pub pdf_direction: f32,
@@ -38,19 +38,25 @@ pub(super) struct Emitters {
 /// At infinity.
 #[inline(always)]
 pub(super) fn is_distant(light: &LightRecord) -> bool {
-    light.kind == LightKind::Directional as u32
+    light.kind == LightKind::Directional as u32 || light.kind == LightKind::Environment as u32
 }
 
 /// A ray can meet it by chance.
 #[inline(always)]
 pub(super) fn is_met(light: &LightRecord) -> bool {
-    light.area > 0.0
+    light.area > 0.0 || light.kind == LightKind::Environment as u32
 }
 
 /// Density of the place that emission draws on a light, the choice of the light included: per area, or its chance where it has none.
 #[inline(always)]
 pub(super) fn pdf_place(light: &LightRecord) -> f32 {
     if light.area > 0.0 { light.pmf / light.area } else { light.pmf }
+}
+
+/// Density per solid angle at which light sampling and emission draw a direction to the picture of the environment, the choice of the light included.
+#[inline(always)]
+pub(super) fn pdf_picture(map: &EnvironmentMap, wi: Vec3) -> f32 {
+    map.pdf_solid_angle(wi) * map.light_pmf
 }
 
 /// By how much light sampling at a point is likelier to draw a place on a light than emission is: 1 but for spheres, of which it draws what is seen.
@@ -97,7 +103,7 @@ impl Emitters {
     pub(super) fn start(&self, scene: &CompiledScene, pick: u32, u: [f32; 4]) -> Option<Start> {
         let index = pick_light(scene, pick)?;
         let light = &scene.lights[index];
-        let emission = emit::emit(light, self.sphere, u);
+        let (emission, _) = emit::emit_entry(scene, index, self.sphere, u);
         let direction = emission.ray.direction;
         let at = Vec3::from_array(light.point);
         let (position, normal) = if light.kind == LightKind::Sphere as u32 {
@@ -123,7 +129,10 @@ impl Emitters {
             position,
             normal,
             carried,
-            pdf_place: pdf_place(light),
+            pdf_place: match &scene.environment_map {
+                Some(map) if light.kind == LightKind::Environment as u32 => pdf_picture(map, -direction),
+                _ => pdf_place(light),
+            },
             pdf_direction,
         })
     }
@@ -169,8 +178,8 @@ pub(super) fn sample(
     scene: &CompiledScene,
     p: Vec3,
     pick: u32,
-    u: [f32; 2],
+    words: [u32; 2],
 ) -> Option<(u32, light::LightSample)> {
     let index = pick_light(scene, pick)?;
-    Some((index as u32, light::sample(&scene.lights[index], p, u)?))
+    Some((index as u32, light::sample_light(scene, &scene.lights[index], p, words)?))
 }

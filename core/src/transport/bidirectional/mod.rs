@@ -265,9 +265,13 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         walk.chain.pdf = start.pdf_place;
         walk.chain.open = if emitters::is_met(light) { 1.0 } else { 0.0 };
         walk.left = Some([start.pdf_direction, 0.0]);
-        walk.facing =
-            if emitters::is_met(light) { start.ray.direction.dot(start.normal).max(0.0) } else { 0.0 };
         walk.distant = emitters::is_distant(light);
+        walk.facing = match (emitters::is_met(light), walk.distant) {
+            (false, _) => 0.0,
+            (true, false) => start.ray.direction.dot(start.normal).max(0.0),
+            // Its place is a direction.
+            (true, true) => 1.0,
+        };
         if VOLUME && start.normal != Vec3::ZERO {
             walk.lead = vertex::lead((start.position, start.normal), start.ray.origin, start.ray.direction);
         }
@@ -349,7 +353,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
             Step::Away => {
                 let t = state.walk.index + 1;
                 if self.settings.uses(0, t + 1) {
-                    state.radiance += state.walk.carried * Vec3::from_array(self.scene.environment);
+                    let brings = Vec3::from_array(self.scene.environment) + self.picture(state);
+                    state.radiance += state.walk.carried * brings;
                 }
                 Query::Done
             }
@@ -375,6 +380,31 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         }
         state.phase = Phase::Sensor;
         Query::Closest(state.walk.ray)
+    }
+
+    /// Radiance of the picture of the environment where the sensor's walk leaves the scene, weighted: s = 0, the last vertex being a direction.
+    #[inline(always)]
+    fn picture(&self, state: &State) -> Vec3 {
+        let Some(map) = &self.scene.environment_map else { return Vec3::ZERO };
+        let Some(light) = self.scene.lights.get(map.light as usize) else { return Vec3::ZERO };
+        let (walk, direct) = (&state.walk, state.walk.index == 0 && !state.probe);
+        let radiance = map.radiance(walk.ray.direction);
+        if self.settings.only.is_some() || radiance == Vec3::ZERO {
+            return radiance;
+        }
+        let mut chain =
+            walk.chain.next(self.settings.heuristic, walk.left, walk.facing * walk.pass, walk.pass);
+        if direct {
+            chain.open = 0.0;
+        }
+        let end = End {
+            chain: &chain,
+            forward: emitters::pdf_picture(map, walk.ray.direction),
+            backward: self.emitters.pdf_towards(light, walk.ray.direction, Vec3::ZERO),
+            index: walk.index as usize + 1,
+            links: &state.links[1],
+        };
+        radiance * weigh(self.settings.heuristic, 1.0, [Some(end), None])
     }
 
     /// Radiance that the sensor's walk sees by itself, weighted: s = 0.

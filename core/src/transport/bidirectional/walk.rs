@@ -6,7 +6,7 @@ use super::{Bidirectional, GROUPS};
 use crate::bsdf::Interface;
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::math::{self, Vec3};
-use crate::medium::{Inside, Medium, flight};
+use crate::medium::{Inside, Medium};
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::material_flags;
 use crate::transport::back::{NO_RAY, roulette};
@@ -116,20 +116,20 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         links: &mut Links,
         mut seen: impl FnMut(&Walk, Seen<'_>, &Links),
     ) -> Step {
-        if VOLUME && let Some(medium) = walk.inside.current(self.scene).map(Medium::new) {
+        if VOLUME && let Some(medium) = walk.inside.current(self.scene).map(|m| Medium::new(self.scene, m)) {
             let limit = hit.map_or(f32::INFINITY, |h| walk.lead + h.t);
-            seen(walk, Seen::Glow(flight::emitted(medium.emission, medium.sigma_t, limit)), links);
-            let [choice, length] = sampler.group2(self.groups(walk));
-            let flown = flight::sample(medium.sigma_t, walk.carried, limit, [choice, length]);
+            seen(walk, Seen::Glow(medium.emitted(&walk.ray, walk.lead, limit)), links);
+            let u = sampler.group2(self.groups(walk));
+            let flown = medium.fly(&walk.ray, walk.lead, limit, walk.carried, u);
             walk.carried *= flown.weight;
-            walk.pass *= math::mean(flight::transmittance(medium.sigma_t, flown.length));
+            walk.pass *= math::mean(flown.left);
             if flown.collided {
-                walk.carried *= medium.sigma_s;
+                let position = walk.ray.origin + walk.ray.direction * (flown.length - walk.lead);
+                walk.carried *= medium.sigma_s_at(position);
                 if walk.carried == Vec3::ZERO {
                     return Step::Over;
                 }
-                let position = walk.ray.origin + walk.ray.direction * (flown.length - walk.lead);
-                let extinction = math::mean(medium.sigma_t);
+                let extinction = math::mean(medium.sigma_t_at(position));
                 let chain = walk.link(self, position, extinction);
                 return Step::At(self.vertex(
                     walk,
