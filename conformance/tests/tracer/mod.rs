@@ -9,7 +9,7 @@ use etendue_core::film::Film;
 use etendue_core::geometry::{Bvh2, Hit, Intersector, Primitives, Ray, SurfacePoint, offset_origin};
 use etendue_core::kernel::Kernel;
 use etendue_core::light;
-use etendue_core::math::{PI, Vec3, u32_to_unit};
+use etendue_core::math::{PI, Vec3};
 use etendue_core::sampling::discrete;
 use etendue_core::sampling::sobol::BlockSampler;
 use etendue_core::scene::{CompiledScene, LightKind, NO_INDEX};

@@ -228,7 +228,7 @@ impl EnvironmentMap {
             // Integrals of sin theta, and of that times the share of the row below.
             let (mut all, mut below) = (0.0, 0.0);
             for i in 0..PARTS {
-                for off in [0.211_324_87, 0.788_675_13] {
+                for off in [0.211_324_87, 0.788_675_1] {
                     let x = i as f32 + off;
                     let w = f64::from(0.5 * step * math::sin(a + x * step));
                     all += w;

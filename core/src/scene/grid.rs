@@ -21,7 +21,7 @@ pub(super) fn add(out: &mut CompiledScene, place: &str, medium: &MediumDesc) -> 
         let largest = check(&place, grid)?;
         let sigma = (0..3).fold(0.0_f32, |m, c| m.max(medium.sigma_a[c] + medium.sigma_s[c]));
         let extinction = largest.max(1.0) * sigma;
-        if !(extinction <= MAX_EXTINCTION) {
+        if extinction.is_nan() || extinction > MAX_EXTINCTION {
             let expected = "a density that makes no extinction beyond 1e18 per metre";
             return out_of_range(&place, "values", largest, expected);
         }

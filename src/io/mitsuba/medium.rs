@@ -5,9 +5,9 @@ use etendue_core::scene::{GridDesc, MediumDesc};
 use super::Builder;
 use super::transform::Transform;
 use super::values::Object;
-use super::volume::{MAX_FILE, parse_vol};
 use crate::io::error::{LoadError, quoted};
 use crate::io::source::read_file;
+use crate::io::volume::{MAX_FILE, parse_vol};
 
 /// A coefficient that is the same everywhere, or that is on a grid.
 enum Coefficient {

@@ -17,7 +17,6 @@ mod surface;
 mod transform;
 mod tree;
 mod values;
-mod volume;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

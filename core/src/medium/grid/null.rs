@@ -55,8 +55,9 @@ fn tentative(
         loop {
             let [u, v] = draws.pair();
             t -= math::ln(1.0 - u) / mu;
-            // Also where there is no extinction at all.
-            if !(t < s.to) {
+            // It is no number where there is no extinction at all.
+            let within = t < s.to;
+            if !within {
                 break;
             }
             let place = walk.at(t);

@@ -104,7 +104,7 @@ fn unit(v: Vec3) -> Vec3 {
 fn rays(numbers: &Counter, i: u32) -> (Ray, f32) {
     let n = |d: u32| 2.0 * numbers.unit(7, i, d) - 1.0;
     let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
-    let origin = Vec3::new(n(0), n(1) + 1.0, n(2)) * if i % 3 == 0 { 0.5 } else { 3.0 };
+    let origin = Vec3::new(n(0), n(1) + 1.0, n(2)) * if i.is_multiple_of(3) { 0.5 } else { 3.0 };
     let direction = match i % 5 {
         0 => axes[i as usize / 5 % 6],
         1 => unit(axes[i as usize / 5 % 6] + Vec3::new(n(3), n(4), n(5)) * 1e-5),
