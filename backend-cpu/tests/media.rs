@@ -2,13 +2,16 @@
 
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
-use etendue_core::backend::{NoControl, PathJob, Probe, Session, image_film_settings, probe_film_settings};
+use etendue_core::backend::{
+    BidirectionalJob, NoControl, PathJob, Probe, Session, image_film_settings, probe_film_settings,
+};
 use etendue_core::film::Film;
 use etendue_core::sampling::counter::Counter;
 use etendue_core::scene::{
-    CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, Reflectance, SceneDesc,
-    ShapeDesc, ShapeKind, compile,
+    CameraDesc, EnvironmentDesc, EnvironmentImage, GridDesc, LightDesc, MaterialDesc, MaterialKind,
+    MediumDesc, Reflectance, SceneDesc, ShapeDesc, ShapeKind, compile,
 };
+use etendue_core::transport::bidirectional::Heuristic;
 use etendue_cpu::{CpuBackend, CpuSession};
 use std::sync::Arc;
 
@@ -319,5 +322,52 @@ fn soups_of_media_give_numbers() {
         assert!(mean.iter().chain(&stderr).all(|x| x.is_finite() && *x >= 0.0), "{seed}: {mean:?}");
         let (mean, _) = irradiance(&desc, [0.0, 0.0, -3.0], [0.0, 0.0, 1.0], &few);
         assert!(mean.iter().all(|x| x.is_finite() && *x >= 0.0), "{seed}: {mean:?}");
+    }
+}
+
+/// A cloud on a grid above a floor, under a picture of the sky with a sun in it; the picture is turned.
+fn cloud_under_sky() -> SceneDesc {
+    let numbers = Counter::new(3);
+    let values = (0..5 * 4 * 5).map(|i| 6.0 * (numbers.unit(0, i, 0) - 0.4).max(0.0)).collect();
+    let to_world = [[1.2, 0.0, 0.0, -0.6], [0.0, 0.8, 0.0, 0.3], [0.0, 0.0, 1.2, -0.6]];
+    let density = Some(GridDesc { size: [5, 4, 5], channels: 1, values, to_world });
+    let medium = MediumDesc { density, ..MediumDesc::new("cloud", [0.1, 0.4, 0.2], [1.0, 1.5, 3.0], 0.4) };
+    let texels = (0..12 * 7)
+        .map(|i| if i == 12 + 4 { [60.0, 50.0, 30.0] } else { [0.2, 0.3, 0.4 + 0.01 * i as f32] })
+        .collect();
+    let (s, c) = (0.6, 0.8);
+    let to_world_sky = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]];
+    let image = Some(EnvironmentImage { width: 12, height: 7, texels, to_world: to_world_sky });
+    let floor = ShapeKind::Rectangle { center: [0.0; 3], u: [0.0, 0.0, 2.0], v: [2.0, 0.0, 0.0] };
+    SceneDesc {
+        materials: vec![
+            material("boundary", MaterialKind::Null, 0.0),
+            material("floor", MaterialKind::Diffuse { albedo: Reflectance::flat([0.6; 3]) }, 0.0),
+        ],
+        media: vec![medium],
+        shapes: vec![shape(floor, "floor", ""), sphere([0.0, 0.7, 0.0], 0.6, "boundary", "cloud")],
+        lights: vec![LightDesc::Environment(EnvironmentDesc { radiance: [1.0; 3], image })],
+        ..SceneDesc::default()
+    }
+}
+
+#[test]
+fn paths_from_one_end_and_from_both_see_the_same_cloud() {
+    let desc = cloud_under_sky();
+    let session = open(&desc);
+    let probe = [Probe { position: [0.2, 0.0, 0.1], normal: [0.0, 1.0, 0.0] }];
+    for heuristic in [Heuristic::Power, Heuristic::Balance] {
+        let paths = job(128, 12);
+        let one = irradiance(&desc, probe[0].position, probe[0].normal, &paths);
+        let both =
+            BidirectionalJob { heuristic, ..BidirectionalJob::new(PathJob { seed: 77, ..paths.clone() }) };
+        let mut film = Film::new(probe_film_settings(session.scene(), &both.path, 1));
+        session.bidirectional_probes(&both, &probe, &NoControl, &mut film).unwrap();
+        let two = result(&film);
+        for c in 0..3 {
+            let error = one.1[c].hypot(two.1[c]);
+            let z = (one.0[c] - two.0[c]).abs() / error;
+            assert!(z <= LIMIT && error < 0.02 * one.0[c], "{heuristic:?} {c}: {one:?} {two:?}");
+        }
     }
 }
