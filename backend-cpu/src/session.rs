@@ -433,8 +433,10 @@ impl Session for CpuSession {
         let needs = &self.scene.needs;
         let missing = needs.beyond_surfaces().or_else(|| {
             let list = [
-                (needs.mirrors, "mirrors"),
+                (needs.mirrors && !needs.plastic, "mirrors"),
                 (needs.glossy, "Phong lobes"),
+                (needs.rough, "rough metals"),
+                (needs.plastic, "plastic"),
                 (needs.round_shapes, "spheres and disks"),
                 (needs.environment_image, "a picture of the environment"),
             ];

@@ -70,7 +70,7 @@ impl GatherArgs {
         }
         let scene = session.scene();
         if sampling.max_depth.is_some() && GatherJob::ways_differ(scene) {
-            let text = "--max-depth with --method photon needs a scene without mirrors, Phong lobes, spheres and disks: \
+            let text = "--max-depth with --method photon needs a scene of diffuse surfaces without spheres and disks: \
                         the photons of a map have one limit";
             return Err(CliError::Usage(text.into()));
         }

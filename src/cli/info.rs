@@ -109,7 +109,7 @@ fn methods(scene: &CompiledScene) -> Vec<&'static str> {
         return list;
     }
     list.push("photon");
-    if !(n.mirrors || n.glossy || n.round_shapes || n.environment_image) {
+    if !(n.beyond_diffuse() || n.round_shapes || n.environment_image) {
         list.push("radiosity");
     }
     list
@@ -160,6 +160,9 @@ fn describe(scene: &CompiledScene, report: &CompileReport, stages: &Stages) -> V
             "media": n.media,
             "grids": n.grids,
             "null_boundaries": n.null_boundaries,
+            "rough": n.rough,
+            "plastic": n.plastic,
+            "scattering_films": n.scattering_films,
             "unsupported": n.unsupported,
         },
         "methods": methods(scene),

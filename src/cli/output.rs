@@ -22,6 +22,7 @@ pub(super) fn scene_hash(scene: &CompiledScene) -> String {
     part(bytemuck::cast_slice(&scene.texcoords));
     part(bytemuck::cast_slice(&scene.normals));
     part(bytemuck::cast_slice(&scene.materials));
+    part(bytemuck::cast_slice(&scene.checkers));
     part(bytemuck::cast_slice(&scene.textures));
     part(bytemuck::cast_slice(&scene.texels));
     part(bytemuck::cast_slice(&scene.lights));

@@ -19,6 +19,9 @@ pub fn transport_hash(scene: &CompiledScene) -> [u8; 32] {
         normals,
         materials,
         material_names: _,
+        checkers,
+        // Made of materials.
+        coats: _,
         textures,
         texels,
         srgb_decode: _,
@@ -48,6 +51,7 @@ pub fn transport_hash(scene: &CompiledScene) -> [u8; 32] {
     part(&mut hash, texcoords);
     part(&mut hash, normals);
     part(&mut hash, materials);
+    part(&mut hash, checkers);
     part(&mut hash, textures);
     part(&mut hash, texels);
     part(&mut hash, media);

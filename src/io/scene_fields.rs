@@ -4,8 +4,8 @@ use std::path::Path;
 
 use etendue_core::math;
 use etendue_core::scene::{
-    CameraDesc, EnvironmentDesc, EnvironmentImage, GridDesc, LightDesc, MaterialDesc, MaterialKind,
-    MediumDesc, Reflectance, ShapeDesc, ShapeKind, srgb_to_linear,
+    CameraDesc, Checker, EnvironmentDesc, EnvironmentImage, GridDesc, LightDesc, MaterialDesc, MaterialKind,
+    MediumDesc, Reflectance, Roughness, ShapeDesc, ShapeKind, srgb_to_linear,
 };
 
 use super::bitmap::parse_texture;
@@ -263,18 +263,16 @@ const MATERIAL_KINDS: &[&str] = &[
 /// Index of refraction where none is said.
 pub(crate) const GLASS: f32 = 1.5;
 
-/// `albedo`, `texture` or both, which multiply; or `checker`, which is not supported.
+/// `albedo`, `texture` and `checker`, of which all that are there multiply.
 fn albedo(
     s: &Section<'_>,
     loader: &mut Loader<'_>,
     file: &Path,
     default: Option<[f32; 3]>,
-) -> Result<Result<Reflectance, String>, LoadError> {
+) -> Result<Reflectance, LoadError> {
     let color = s.numbers::<3>("albedo")?.map(|v| v.0);
     let texture = s.text("texture")?;
-    if s.line_of("checker").is_some() {
-        return Ok(Err("checker".into()));
-    }
+    let checker = s.section("checker")?.map(|c| checker(&c)).transpose()?;
     let texture = match texture {
         Some((name, line)) => match loader.find(file, line, &name) {
             Some(path) => Some(loader.texture(&path)?),
@@ -284,9 +282,16 @@ fn albedo(
         },
         None => None,
     };
-    let default = if texture.is_some() { Some([1.0; 3]) } else { default };
+    let default = if texture.is_some() || checker.is_some() { Some([1.0; 3]) } else { default };
     let color = s.required(color.or(default), "albedo", "albedo = [r, g, b], texture or checker")?;
-    Ok(Ok(Reflectance { color, texture: texture.unwrap_or_default(), checker: None }))
+    Ok(Reflectance { color, texture: texture.unwrap_or_default(), checker })
+}
+
+fn checker(s: &Section<'_>) -> Result<Checker, LoadError> {
+    let colors = [vector(s, "a")?, vector(s, "b")?];
+    let repeat = s.numbers::<2>("repeat")?.map_or([1.0; 2], |v| v.0);
+    s.finish()?;
+    Ok(Checker { colors, repeat })
 }
 
 /// The material and the line of its name.
@@ -296,28 +301,20 @@ pub(crate) fn material(
     file: &Path,
 ) -> Result<(MaterialDesc, usize), LoadError> {
     let (name, line) = name_of(s)?;
-    let kind = kind_of(s, MATERIAL_KINDS)?;
-    let unsupported = || MaterialKind::Unsupported(kind.to_owned());
-    let kind = match kind {
-        "diffuse" => match albedo(s, loader, file, None)? {
-            Ok(albedo) => MaterialKind::Diffuse { albedo },
-            Err(what) => MaterialKind::Unsupported(what),
-        },
+    let kind = match kind_of(s, MATERIAL_KINDS)? {
+        "diffuse" => MaterialKind::Diffuse { albedo: albedo(s, loader, file, None)? },
         "mirror" => MaterialKind::Mirror { albedo: Reflectance::flat(vector_or(s, "albedo", [1.0; 3])?) },
         "phong" => MaterialKind::Phong { specular: vector(s, "specular")?, exponent: scalar(s, "exponent")? },
         "diffuse_phong" => {
             let (specular, exponent) = (vector(s, "specular")?, scalar(s, "exponent")?);
-            match albedo(s, loader, file, None)? {
-                Ok(albedo) => MaterialKind::DiffusePhong { albedo, specular, exponent },
-                Err(what) => MaterialKind::Unsupported(what),
-            }
+            MaterialKind::DiffusePhong { albedo: albedo(s, loader, file, None)?, specular, exponent }
         }
         "null" => MaterialKind::Null,
         "thin_film" => {
             let (reflect, transmit) =
                 (vector_or(s, "reflect", [0.0; 3])?, vector_or(s, "transmit", [0.0; 3])?);
             if s.flag("scatter")?.unwrap_or(false) {
-                MaterialKind::Unsupported("thin_film, scatter = true".into())
+                MaterialKind::ScatteringFilm { reflect, transmit }
             } else {
                 MaterialKind::ThinFilm { reflect, transmit }
             }
@@ -327,21 +324,26 @@ pub(crate) fn material(
             let k = s.one_or_three("k")?;
             let expected = "eta and k, one number or three each";
             let (eta, k) = (s.required(eta, "eta", expected)?, s.required(k, "k", expected)?);
-            if smooth(s)?.is_some() { MaterialKind::Conductor { eta, k } } else { unsupported() }
+            match roughness(s)? {
+                None => MaterialKind::Conductor { eta, k },
+                Some(roughness) => MaterialKind::RoughConductor { eta, k, roughness },
+            }
         }
-        "plastic" => {
-            s.one_or_three("ior")?;
-            vector_or(s, "albedo", [0.5; 3])?;
-            smooth(s)?;
-            unsupported()
-        }
+        "plastic" => MaterialKind::Plastic {
+            albedo: albedo(s, loader, file, Some([0.5; 3]))?,
+            ior: scalar_or(s, "ior", GLASS)?,
+            roughness: roughness(s)?,
+            nonlinear: s.flag("nonlinear")?.unwrap_or(false),
+        },
         // dielectric, thin_dielectric
         other => {
             let ior = s.one_or_three("ior")?.unwrap_or([GLASS; 3]);
-            match smooth(s)? {
-                Some(schlick) if other == "dielectric" => MaterialKind::Dielectric { ior, schlick },
-                Some(schlick) => MaterialKind::ThinDielectric { ior, schlick },
-                None => unsupported(),
+            let schlick = s.word("fresnel", &["exact", "schlick"])? == Some("schlick");
+            match (other, roughness(s)?) {
+                ("dielectric", None) => MaterialKind::Dielectric { ior, schlick },
+                ("dielectric", Some(roughness)) => MaterialKind::RoughDielectric { ior, schlick, roughness },
+                (_, None) => MaterialKind::ThinDielectric { ior, schlick },
+                (_, Some(_)) => MaterialKind::Unsupported("rough thin_dielectric".into()),
             }
         }
     };
@@ -355,13 +357,20 @@ pub(crate) fn material(
     Ok((desc, line))
 }
 
-/// Whether reflectances are by Schlick's fit; `None` where the surface is not smooth.
-fn smooth(s: &Section<'_>) -> Result<Option<bool>, LoadError> {
-    let roughness = scalar_or(s, "roughness", 0.0)?;
-    let lobe = s.number("exponent")?.is_some();
-    s.word("distribution", &["ggx", "beckmann"])?;
-    let schlick = s.word("fresnel", &["exact", "schlick"])? == Some("schlick");
-    Ok((roughness <= 0.0 && !lobe).then_some(schlick))
+/// How rough the surface is; `None` where it is smooth.
+fn roughness(s: &Section<'_>) -> Result<Option<Roughness>, LoadError> {
+    let (alpha, exponent) = (s.number("roughness")?, s.number("exponent")?);
+    let beckmann = s.word("distribution", &["ggx", "beckmann"])? == Some("beckmann");
+    match (alpha, exponent) {
+        (Some(_), Some((_, line))) => {
+            Err(s.error(line, "exponent", "both roughness and exponent", "one of them"))
+        }
+        (None, Some((exponent, _))) => Ok(Some(Roughness::Phong(exponent))),
+        (Some((alpha, _)), None) if alpha != 0.0 => {
+            Ok(Some(if beckmann { Roughness::Beckmann(alpha) } else { Roughness::Ggx(alpha) }))
+        }
+        _ => Ok(None),
+    }
 }
 
 /// The grid of a file that a field names, in `bounds` or in the box of the file.

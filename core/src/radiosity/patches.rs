@@ -278,7 +278,7 @@ fn surface(scene: &CompiledScene, elements: &Elements, element: u32, primitive: 
     if back && material.flags & material_flags::TWO_SIDED == 0 {
         return (Vec3::ZERO, emission);
     }
-    let points = if material.texture == NO_INDEX { 1 } else { TEXTURE_POINTS };
+    let points = if !material.is_textured() { 1 } else { TEXTURE_POINTS };
     let mut albedo = Vec3::ZERO;
     for i in 0..points {
         // The R2 points of M. Roberts (2018): the powers of the root of x^3 = x + 1.

@@ -3,7 +3,7 @@
 //! Quantity: linear reflectance in \[0, 1\], no unit. Texel (0, 0) is the top left one; v = 0 is the bottom edge of
 //! the image. Texel centres lie at half-integers. Source of the curve: IEC 61966-2-1:1999.
 
-use super::compiled::TextureRecord;
+use super::compiled::{CheckerRecord, TextureRecord};
 use crate::math::{self, Vec3};
 
 /// Number of codes of one sRGB channel.
@@ -51,6 +51,19 @@ pub fn sample_bitmap(texture: &TextureRecord, texels: &[u32], decode: &[f32], uv
     let low =
         texel(texture, texels, decode, x0, y1) * (1.0 - fx) + texel(texture, texels, decode, x1, y1) * fx;
     top * (1.0 - fy) + low * fy
+}
+
+impl CheckerRecord {
+    /// Colour at texture coordinates `uv`: the first where floor(2 u') + floor(2 v') is even, (u', v') = uv times `repeat`.
+    #[inline]
+    pub fn color(&self, uv: [f32; 2]) -> Vec3 {
+        let upper = |k: usize| {
+            let x = uv[k] * self.repeat[k];
+            // The half of the unit cell, so that large coordinates do not overflow.
+            math::fract(x) >= 0.5
+        };
+        Vec3::from_array(self.colors[usize::from(upper(0) != upper(1))])
+    }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use super::environment;
 use super::error::{Cleanup, CompileReport, SceneError};
 use super::grid;
 use super::lights::{self, LightDraft};
-use super::material::material_record;
+use super::material::{checker_record, coat_record, material_record};
 use super::mesh::{MeshTransform, check_mesh, repeated_triangles};
 use super::needs::SceneNeeds;
 use crate::geometry::{Aabb, BoxTree, RoundShape, geometric_normal, sliver_factor};
@@ -120,6 +120,8 @@ impl Default for CompiledScene {
             normals: Vec::new(),
             materials: Vec::new(),
             material_names: Vec::new(),
+            checkers: Vec::new(),
+            coats: Vec::new(),
             textures: Vec::new(),
             texels: Vec::new(),
             srgb_decode: Vec::new(),
@@ -225,8 +227,15 @@ impl Builder {
         Ok(())
     }
 
-    fn add_material(&mut self, m: &MaterialDesc, record: MaterialRecord) -> Result<u32, SceneError> {
+    fn add_material(&mut self, m: &MaterialDesc, mut record: MaterialRecord) -> Result<u32, SceneError> {
         let index = self.out.materials.len() as u32;
+        if let Some(checker) = checker_record(m)? {
+            record.checker = self.out.checkers.len() as u32;
+            self.out.checkers.push(checker);
+        }
+        if record.flags & material_flags::PLASTIC != 0 {
+            record.coat = self.coat(&record);
+        }
         if self.material_names.insert(m.name.clone(), index).is_some() {
             return Err(SceneError::DuplicateName { kind: "material", name: m.name.clone() });
         }
@@ -234,6 +243,17 @@ impl Builder {
         self.out.material_names.push(m.name.clone());
         self.material_drafts.push(m.clone());
         Ok(index)
+    }
+
+    /// Index of the coat of a plastic: one for all of the same index and surface.
+    fn coat(&mut self, record: &MaterialRecord) -> u32 {
+        let same =
+            |m: &&MaterialRecord| m.coat != NO_INDEX && m.ior == record.ior && m.rough() == record.rough();
+        if let Some(known) = self.out.materials.iter().find(same) {
+            return known.coat;
+        }
+        self.out.coats.push(coat_record(record));
+        self.out.coats.len() as u32 - 1
     }
 
     fn material_index(&mut self, place: &str, name: &str) -> Result<u32, SceneError> {
@@ -365,7 +385,7 @@ impl Builder {
         let mut list = Vec::new();
         for name in &mesh.material_names {
             let mut i = self.material_index(place, name)?;
-            if !mesh.textures && self.out.materials[i as usize].texture != NO_INDEX {
+            if !mesh.textures && self.out.materials[i as usize].is_textured() {
                 i = self.untextured(i);
             }
             list.push(i);
@@ -376,13 +396,14 @@ impl Builder {
         Ok(list)
     }
 
-    /// A copy of a material without its bitmap.
+    /// A copy of a material without its bitmap or pattern.
     fn untextured(&mut self, index: u32) -> u32 {
         let name = format!("{} (untextured)", self.out.material_names[index as usize]);
         if let Some(&i) = self.material_names.get(&name) {
             return i;
         }
-        let record = MaterialRecord { texture: NO_INDEX, ..self.out.materials[index as usize] };
+        let record =
+            MaterialRecord { texture: NO_INDEX, checker: NO_INDEX, ..self.out.materials[index as usize] };
         let i = self.out.materials.len() as u32;
         self.material_names.insert(name.clone(), i);
         self.out.materials.push(record);
@@ -437,7 +458,8 @@ impl Builder {
         for p in [corner, corner + e1, corner + e1 + e2, corner + e2] {
             self.out.positions.push(p.to_array());
         }
-        if !self.out.texcoords.is_empty() {
+        if !self.out.texcoords.is_empty() || self.out.materials[record.material as usize].is_textured() {
+            self.out.texcoords.resize(base as usize, [0.0; 2]);
             self.out.texcoords.extend([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
         }
         if !self.out.normals.is_empty() {
@@ -547,8 +569,13 @@ impl Builder {
             needs.shading_normals |= s.flags & material_flags::SHADING_NORMALS != 0;
         }
         for ((m, draft), _) in out.materials.iter().zip(&self.material_drafts).zip(&used).filter(|e| *e.1) {
-            needs.textures |= m.texture != NO_INDEX;
-            needs.mirrors |= m.flags & material_flags::MIRROR != 0;
+            let has = |flag: u32| m.flags & flag != 0;
+            needs.textures |= m.is_textured();
+            needs.rough |= has(material_flags::ROUGH) && !has(material_flags::PLASTIC);
+            needs.plastic |= has(material_flags::PLASTIC);
+            needs.scattering_films |= has(material_flags::SCATTERS);
+            needs.mirrors |=
+                has(material_flags::MIRROR) || has(material_flags::PLASTIC) && !has(material_flags::ROUGH);
             needs.glossy |= m.flags & material_flags::GLOSSY != 0;
             needs.one_sided |= m.flags & material_flags::TWO_SIDED == 0;
             needs.null_boundaries |= m.flags & material_flags::NULL != 0;

@@ -1,9 +1,10 @@
 //! The compiled scene: flat arrays, indices instead of names, finite and energy-conserving by construction.
 //!
 //! Arenas, in the order in which a GPU backend binds them (eight storage buffers at most):
-//! positions, triangles, surfaces, vertex attributes, shapes, materials + textures, lights + their CDF, texels. Media and grids follow.
+//! positions, triangles, surfaces, vertex attributes, shapes, materials + textures + checkers + coats, lights + their CDF, texels. Media and grids follow.
 
 use super::needs::SceneNeeds;
+use crate::bsdf::plastic;
 use crate::geometry::{Aabb, BoxTree, Primitives, RoundShape};
 use crate::light::EnvironmentMap;
 use crate::math::{self, Vec3};
@@ -37,6 +38,18 @@ pub mod material_flags {
     pub const CONDUCTOR: u32 = 256;
     /// Reflectances by Schlick's fit.
     pub const SCHLICK: u32 = 512;
+    /// Rough by `roughness`: GGX microfacets unless one of the next two says otherwise.
+    pub const ROUGH: u32 = 1024;
+    /// Rough by Beckmann's microfacets.
+    pub const BECKMANN: u32 = 2048;
+    /// Rough by a Phong lobe of the exponent `exponent`.
+    pub const PHONG: u32 = 4096;
+    /// A diffuse body under a coat of index `ior`.
+    pub const PLASTIC: u32 = 8192;
+    /// A coated body's colours deepen by what goes back and forth.
+    pub const NONLINEAR: u32 = 16384;
+    /// A film that scatters: `albedo` is reflected, `specular` is transmitted.
+    pub const SCATTERS: u32 = 32768;
     /// Light passes it straight on.
     pub const PASSES: u32 = NULL | THIN;
 }
@@ -77,8 +90,38 @@ pub struct MaterialRecord {
     pub flags: u32,
     /// Index of refraction behind the surface over that in front, per channel; 1 where there is none.
     pub ior: [f32; 3],
+    /// Scale of the slopes of microfacets.
+    pub roughness: f32,
+    /// Pattern that multiplies `albedo`, or [`NO_INDEX`].
+    pub checker: u32,
+    /// Coat of a plastic, or [`NO_INDEX`].
+    pub coat: u32,
     /// Zero.
-    pub pad: u32,
+    pub pad: [u32; 2],
+}
+
+/// A pattern of squares, as [`Checker`](super::Checker) has it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct CheckerRecord {
+    /// The two colours.
+    pub colors: [[f32; 3]; 2],
+    /// Pairs of squares per unit of u and of v.
+    pub repeat: [f32; 2],
+}
+
+/// What is computed of a plastic's coat once.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct CoatRecord {
+    /// Reflectance of diffuse light from within.
+    pub internal: f32,
+    /// Mean transmittance of diffuse light from outside.
+    pub mean: f32,
+    /// Zero.
+    pub pad: [f32; 2],
+    /// Transmittance of a coat of microfacets, see [`plastic::TABLE`].
+    pub transmittance: [f32; plastic::TABLE],
 }
 
 /// A bitmap's place in the texel arena.
@@ -205,6 +248,10 @@ pub struct CompiledScene {
     pub materials: Vec<MaterialRecord>,
     /// Names of the materials, for messages.
     pub material_names: Vec<String>,
+    /// Patterns of squares.
+    pub checkers: Vec<CheckerRecord>,
+    /// Coats of plastics.
+    pub coats: Vec<CoatRecord>,
     /// Bitmaps.
     pub textures: Vec<TextureRecord>,
     /// Texels of all bitmaps, 0x00BBGGRR, sRGB.

@@ -333,13 +333,6 @@ impl MaterialKind {
     /// What this version does not render of it, in the words of the scene file.
     pub fn unsupported(&self) -> Option<&str> {
         match self {
-            Self::RoughConductor { .. } => Some("rough conductor"),
-            Self::RoughDielectric { .. } => Some("rough dielectric"),
-            Self::Plastic { .. } => Some("plastic"),
-            Self::ScatteringFilm { .. } => Some("thin_film, scatter = true"),
-            Self::Diffuse { albedo } | Self::DiffusePhong { albedo, .. } if albedo.checker.is_some() => {
-                Some("checker")
-            }
             Self::Unsupported(what) => Some(what),
             _ => None,
         }

@@ -20,13 +20,13 @@ mod needs;
 pub use bitmap::{SRGB_CODES, sample_bitmap, srgb_to_linear};
 pub use compile::compile;
 pub use compiled::{
-    CompiledScene, GridRecord, LightKind, LightRecord, MaterialRecord, MediumRecord, NO_INDEX, SurfaceRecord,
-    TextureRecord, material_flags,
+    CheckerRecord, CoatRecord, CompiledScene, GridRecord, LightKind, LightRecord, MaterialRecord, MediumRecord,
+    NO_INDEX, SurfaceRecord, TextureRecord, material_flags,
 };
 pub use desc::{
     CameraDesc, Checker, EnvironmentDesc, EnvironmentImage, GridDesc, LightDesc, MaterialDesc, MaterialKind,
     MediumDesc, MeshDesc, Reflectance, Roughness, SceneDesc, ShapeDesc, ShapeKind, TextureDesc, Wrap,
 };
 pub use error::{Cleanup, CompileReport, SceneError};
-pub use material::IOR_RANGE;
+pub use material::{IOR_RANGE, ROUGHNESS_MAX};
 pub use needs::SceneNeeds;

@@ -7,9 +7,9 @@ use core::fmt;
 /// The light transport that occurs in a scene. A flag that is false names code that need not run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SceneNeeds {
-    /// Some albedo is a bitmap.
+    /// Some albedo is a bitmap or a checker.
     pub textures: bool,
-    /// Some surface has a perfect mirror.
+    /// Some surface has a perfect mirror, or a smooth coat.
     pub mirrors: bool,
     /// Some surface has a Phong lobe.
     pub glossy: bool,
@@ -41,6 +41,12 @@ pub struct SceneNeeds {
     pub refraction: bool,
     /// Thin plates and films.
     pub panes: bool,
+    /// Rough metals or dielectrics.
+    pub rough: bool,
+    /// Diffuse bodies under a coat.
+    pub plastic: bool,
+    /// Films that scatter to both sides.
+    pub scattering_films: bool,
     /// Kinds of material or medium that this version does not render, by name, each once.
     pub unsupported: Vec<String>,
 }
@@ -48,7 +54,19 @@ pub struct SceneNeeds {
 impl SceneNeeds {
     /// Something beyond two-sided diffuse surfaces has to be evaluated at a hit.
     pub fn lobes(&self) -> bool {
-        self.mirrors || self.glossy || self.one_sided || self.refraction || self.panes
+        self.mirrors
+            || self.glossy
+            || self.one_sided
+            || self.refraction
+            || self.panes
+            || self.rough
+            || self.plastic
+            || self.scattering_films
+    }
+
+    /// Some surface reflects more than albedo / pi, or light that depends on its direction.
+    pub fn beyond_diffuse(&self) -> bool {
+        self.mirrors || self.glossy || self.rough || self.plastic
     }
 
     /// Nothing in the scene emits light.
@@ -58,7 +76,7 @@ impl SceneNeeds {
 
     /// Light is changed on its way or passes surfaces.
     pub fn volume(&self) -> bool {
-        self.media || self.null_boundaries || self.refraction || self.panes
+        self.media || self.null_boundaries || self.refraction || self.panes || self.scattering_films
     }
 
     /// Why path tracing cannot render this scene; `None` where it can.
@@ -73,6 +91,7 @@ impl SceneNeeds {
             (self.null_boundaries, "null boundaries"),
             (self.refraction, "dielectrics"),
             (self.panes, "thin plates or films"),
+            (self.scattering_films, "films that scatter"),
         ];
         let mut missing: Vec<&str> = parts.iter().filter(|p| p.0).map(|p| p.1).collect();
         missing.extend(self.unsupported.iter().map(String::as_str));
@@ -100,6 +119,9 @@ impl fmt::Display for SceneNeeds {
             (self.null_boundaries, "null boundaries"),
             (self.refraction, "dielectrics"),
             (self.panes, "thin plates or films"),
+            (self.rough, "rough metals or dielectrics"),
+            (self.plastic, "plastic"),
+            (self.scattering_films, "films that scatter"),
         ];
         let mut first = true;
         for name in

@@ -7,7 +7,8 @@
 //!   in it. (Of surfaces below the picture of an environment is one, far away.)
 //! - **Reading** at a vertex x: albedo / pi times (the map at x + the direct irradiance of lights without size, in closed form but for its shadow rays; beyond 64 lights, or 4 at second hand, of so many chosen by flux). The
 //!   map knows nothing of directions, so that it answers for the diffuse part alone. A Phong lobe takes the direct light of lights without size by its value, one
-//!   sample of surface lights, and is followed by a ray of its own; mirrors are followed. That ray, and no map, brings what it finds: emission (surfaces by
+//!   sample of surface lights, and is followed by a ray of its own; mirrors are followed. So are all lobes of rough metals and of plastic together, whose body
+//!   sends on what depends on where it comes from; of the map it takes caustics alone, as if they were diffuse light. That ray, and no map, brings what it finds: emission (surfaces by
 //!   the power heuristic against the sample; after a mirror all of it; the environment all of it) and what is read where it lands.
 //! - **Final gather** (one bounce): the first vertex that is no mirror is not read. Lights without size bring what they do in a reading; one surface light is sampled for all lobes, and one direction of one lobe, chosen by its
 //!   share of the reflectance. A diffuse direction is the gather ray: where it lands, through mirrors too, is read as above. A Phong direction only
@@ -255,6 +256,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             }
             let goes_on = if LOBES && surface.lobes.mirror {
                 self.reflect(walk, &surface)
+            } else if LOBES && !surface.lobes.is_plain() {
+                self.follow_lobes(intersector, map, walk, &surface, &hit)
             } else if walk.gathers || self.is_round(&hit) || self.is_near(map, walk, &hit) {
                 self.gather_at(intersector, map, walk, &surface, &hit)
             } else {
@@ -285,6 +288,35 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let [.., survive] = walk.sampler.group4(2 + 2 * walk.depth);
         match surface.lobes.sample(surface.shading, surface.wo, [0.0; 2], 0.0) {
             Some(s) => self.go(walk, surface, s.wi, s.weight, 0.0, survive),
+            None => false,
+        }
+    }
+
+    /// A vertex whose lobes are followed together: all light by samples and rays, but what lights without size send through mirrors.
+    #[inline(never)]
+    fn follow_lobes<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        map: &MapView<'_>,
+        walk: &mut Walk,
+        surface: &Surface,
+        hit: &Hit,
+    ) -> bool {
+        let (lobes, n, wo) = (&surface.lobes, surface.shading, surface.wo);
+        let albedo = lobes.diffuse_albedo(n, wo);
+        if albedo != Vec3::ZERO && !map.caustics.is_empty() {
+            let irradiance = map.elements.read(map.caustics, hit, surface.from_front);
+            walk.radiance += walk.throughput * albedo * INV_PI * irradiance;
+        }
+        self.point_like(intersector, walk, surface, if walk.seen { LIGHTS_SEEN } else { LIGHTS_GATHERED });
+        if let Some((s, factor)) = self.sample_surface_light(walk, surface) {
+            let density = s.pdf * self.lights.surface_share;
+            let weight = mis::power_heuristic(density, lobes.pdf_solid_angle(n, wo, s.wi));
+            self.add_sample(intersector, walk, surface, &s, lobes.eval(n, wo, s.wi) * (factor * weight));
+        }
+        let [u, v, lobe, survive] = walk.sampler.group4(2 + 2 * walk.depth);
+        match lobes.sample(n, wo, [u, v], lobe) {
+            Some(s) => self.go(walk, surface, s.wi, s.weight, s.pdf, survive),
             None => false,
         }
     }
@@ -431,13 +463,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         surface: &Surface,
         [diffuse_chance, phong_chance]: [f32; 2],
     ) {
-        let choice = &self.lights.surfaces;
-        if choice.cdf.is_none() {
-            return;
-        }
-        let [word, u, v, _] = walk.sampler.bits4(1 + 2 * walk.depth);
-        let Some((light, factor)) = choice.pick(self.scene, word) else { return };
-        let Some(s) = light::sample_light(self.scene, light, surface.point.position, [u, v]) else { return };
+        let Some((s, factor)) = self.sample_surface_light(walk, surface) else { return };
         let (lobes, n) = (&surface.lobes, surface.shading);
         let density = s.pdf * self.lights.surface_share;
         let mut f = Vec3::ZERO;
@@ -451,6 +477,16 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             f += value * mis::power_heuristic(density, other);
         }
         self.add_sample(intersector, walk, surface, &s, f * factor);
+    }
+
+    /// A place on a surface light, and what its contribution is to be multiplied by.
+    #[inline(always)]
+    fn sample_surface_light(&self, walk: &Walk, surface: &Surface) -> Option<(LightSample, f32)> {
+        let choice = &self.lights.surfaces;
+        choice.cdf.as_ref()?;
+        let [word, u, v, _] = walk.sampler.bits4(1 + 2 * walk.depth);
+        let (light, factor) = choice.pick(self.scene, word)?;
+        Some((light::sample_light(self.scene, light, surface.point.position, [u, v])?, factor))
     }
 
     /// Adds what a place on a light brings for a value f of the lobes, if it is in sight.

@@ -168,11 +168,11 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     #[inline(always)]
     pub fn scatter(&self, photon: &mut Photon, surface: &Surface, u: [f32; 2], lobe: f32) -> f32 {
         photon.hits += 1;
-        photon.caustic &= LOBES && surface.lobes.mirror;
         if photon.hits >= self.max_hits {
             return 0.0;
         }
-        let Some((wi, weight)) = self.leave(surface, u, lobe) else { return 0.0 };
+        let Some((wi, weight, mirrored)) = self.leave(surface, u, lobe) else { return 0.0 };
+        photon.caustic &= LOBES && mirrored;
         let (before, after) = (math::mean(photon.flux).abs(), photon.flux * weight);
         photon.flux = after;
         photon.ray = Ray { origin: surface.leave(wi), direction: wi, t_max: f32::MAX };
@@ -183,12 +183,13 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         (carried / before.max(f32::MIN_POSITIVE)).min(SURVIVAL_MAX)
     }
 
-    /// A direction in which flux leaves a surface, and what it is multiplied by.
+    /// A direction in which flux leaves a surface, what it is multiplied by, and whether a mirror sends it there.
     #[inline(always)]
-    fn leave(&self, surface: &Surface, u: [f32; 2], lobe: f32) -> Option<(Vec3, Vec3)> {
+    fn leave(&self, surface: &Surface, u: [f32; 2], lobe: f32) -> Option<(Vec3, Vec3, bool)> {
         let s = surface.lobes.sample(surface.shading, surface.wo, u, lobe)?;
+        let mirrored = LOBES && s.pdf == 0.0;
         if !SHADING {
-            return Some((s.wi, s.weight));
+            return Some((s.wi, s.weight, mirrored));
         }
         let (before, after) = (surface.wo.dot(surface.geometric), s.wi.dot(surface.geometric));
         if after <= 0.0 {
@@ -198,7 +199,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         // Unbounded at grazing angles; the limit is a bias, of what leaves or arrives within 4 degrees of the surface where normals are interpolated.
         let factor =
             if down > 0.0 { (surface.wo.dot(surface.shading) * after / down).clamp(0.0, 16.0) } else { 0.0 };
-        Some((s.wi, s.weight * factor))
+        Some((s.wi, s.weight * factor, mirrored))
     }
 }
 

@@ -1,13 +1,14 @@
 //! What a ray finds at a hit: point, normals, lobes, emission.
 
 use super::gather::ProbePlace;
-use crate::bsdf::{Interface, Lobes, fresnel};
+use crate::bsdf::plastic::{Coat, CoatTable};
+use crate::bsdf::{Boundary, Finish, Interface, Lobes, Metal, fresnel};
 use crate::geometry::{
     Hit, Intersector, PrimitiveId, Ray, SurfacePoint, hit_point_with, offset_origin, shape_normal,
     shape_point,
 };
 use crate::math::{self, Vec3};
-use crate::scene::{CompiledScene, MaterialRecord, NO_INDEX, SceneNeeds, material_flags, sample_bitmap};
+use crate::scene::{CompiledScene, MaterialRecord, SceneNeeds, material_flags, sample_bitmap};
 
 /// Which code a scene needs at a hit; each combination is an instance of its own, so that what is absent costs
 /// nothing. Three flags make the eight instances that are compiled.
@@ -15,7 +16,7 @@ use crate::scene::{CompiledScene, MaterialRecord, NO_INDEX, SceneNeeds, material
 pub struct TransportCode {
     /// Anything but two-sided diffuse surfaces.
     pub lobes: bool,
-    /// Bitmaps.
+    /// Bitmaps and checkers.
     pub textures: bool,
     /// Interpolated normals.
     pub shading_normals: bool,
@@ -75,19 +76,62 @@ pub struct Surface {
     pub lobes: Lobes,
     /// What passes, and is reflected with it.
     pub interface: Interface,
-    /// Index of the light that the primitive is, or [`NO_INDEX`].
+    /// Index of the light that the primitive is, or [`NO_INDEX`](crate::scene::NO_INDEX).
     pub light: u32,
     /// The ray met the front.
     pub from_front: bool,
 }
 
 impl Surface {
-    /// What depends on the angle: metals, plates and films, and on the side: dielectrics.
+    /// What depends on the angle: metals, plates and films, and on the side: dielectrics; and what has a finish.
     #[inline(always)]
-    fn refine(&mut self, material: &MaterialRecord) {
-        const ANY: u32 = material_flags::CONDUCTOR | material_flags::DIELECTRIC | material_flags::FILM;
-        if material.flags & ANY != 0 {
+    fn refine(&mut self, scene: &CompiledScene, material: &MaterialRecord) {
+        const FINISHED: u32 = material_flags::ROUGH | material_flags::PLASTIC | material_flags::SCATTERS;
+        const ANY: u32 =
+            material_flags::CONDUCTOR | material_flags::DIELECTRIC | material_flags::FILM | FINISHED;
+        if material.flags & ANY == 0 {
+            return;
+        }
+        if material.flags & FINISHED == 0 {
             self.refine_smooth(material);
+        } else {
+            self.finish(scene, material);
+        }
+    }
+
+    #[inline(never)]
+    fn finish(&mut self, scene: &CompiledScene, material: &MaterialRecord) {
+        let has = |flag: u32| material.flags & flag != 0;
+        let (ior, second) = (Vec3::from_array(material.ior), Vec3::from_array(material.specular));
+        let albedo = self.lobes.albedo;
+        self.lobes = Lobes::diffuse(Vec3::ZERO);
+        if has(material_flags::SCATTERS) {
+            // Both sides, whatever the material says of them.
+            let albedo = Vec3::from_array(material.albedo);
+            self.lobes = Lobes::finished(albedo, Finish::Film { transmit: second });
+            return;
+        }
+        if has(material_flags::DIELECTRIC) {
+            let ratio = if self.from_front { ior } else { Vec3::ONE / ior };
+            if let Some(rough) = material.rough() {
+                let boundary = Boundary { rough, ratio, schlick: has(material_flags::SCHLICK) };
+                self.lobes = Lobes::finished(Vec3::ZERO, Finish::Boundary(boundary));
+            }
+            return;
+        }
+        // Black from behind where it has one side.
+        if !has(material_flags::TWO_SIDED) && !self.from_front {
+            return;
+        }
+        if has(material_flags::PLASTIC) {
+            let Some(coat) = scene.coats.get(material.coat as usize) else { return };
+            let body = CoatTable::body(coat.internal, ior.x, albedo, has(material_flags::NONLINEAR));
+            let (mean, transmittance) = (coat.mean, coat.transmittance);
+            let coat = Coat { ior: ior.x, rough: material.rough(), mean, transmittance };
+            self.lobes = Lobes::finished(body, Finish::Plastic(coat));
+        } else if let Some(rough) = material.rough() {
+            let metal = Metal { rough, eta: ior, k: second };
+            self.lobes = Lobes::finished(Vec3::ZERO, Finish::Metal(metal));
         }
     }
 
@@ -148,8 +192,8 @@ pub fn surface_at<const LOBES: bool, const TEXTURES: bool, const SHADING: bool>(
     let from_front = wo.dot(front) >= 0.0;
     let geometric = if from_front { front } else { -front };
     let mut albedo = Vec3::from_array(material.albedo);
-    if TEXTURES && material.texture != NO_INDEX {
-        albedo *= textured(scene, material.texture, vertex, hit);
+    if TEXTURES && material.is_textured() {
+        albedo *= textured(scene, material, vertex, hit);
     }
     let lobes = if LOBES {
         if material.flags & material_flags::TWO_SIDED == 0 && !from_front {
@@ -160,6 +204,7 @@ pub fn surface_at<const LOBES: bool, const TEXTURES: bool, const SHADING: bool>(
                 specular: Vec3::from_array(material.specular),
                 exponent: material.exponent,
                 mirror: material.flags & material_flags::MIRROR != 0,
+                finish: Finish::Plain,
             }
         }
     } else {
@@ -185,30 +230,38 @@ pub fn surface_at<const LOBES: bool, const TEXTURES: bool, const SHADING: bool>(
         from_front,
     };
     if LOBES {
-        surface.refine(material);
+        surface.refine(scene, material);
     }
     Some(surface)
 }
 
-/// Albedo per channel at a hit, the bitmap included; black for an unknown primitive. Sides are not asked for.
+/// Albedo per channel at a hit, bitmaps and patterns included; black for an unknown primitive. Sides are not asked for.
 pub(crate) fn albedo_at(scene: &CompiledScene, hit: &Hit) -> Vec3 {
     let Some(record) = scene.surfaces.get(hit.primitive as usize) else { return Vec3::ZERO };
     let Some(material) = scene.materials.get(record.material as usize) else { return Vec3::ZERO };
     let albedo = Vec3::from_array(material.albedo);
-    if material.texture == NO_INDEX {
+    if !material.is_textured() {
         return albedo;
     }
-    albedo * textured(scene, material.texture, scene.triangles.get(hit.primitive as usize).copied(), hit)
+    albedo * textured(scene, material, scene.triangles.get(hit.primitive as usize).copied(), hit)
 }
 
+/// What the bitmap and the pattern of a material multiply its albedo by; 1 on round shapes, which have no texture coordinates.
 #[inline]
-fn textured(scene: &CompiledScene, texture: u32, vertex: Option<[u32; 3]>, hit: &Hit) -> Vec3 {
-    let (Some(t), Some(record)) = (vertex, scene.textures.get(texture as usize)) else { return Vec3::ONE };
+fn textured(scene: &CompiledScene, material: &MaterialRecord, vertex: Option<[u32; 3]>, hit: &Hit) -> Vec3 {
+    let Some(t) = vertex else { return Vec3::ONE };
     let at = |i: u32| scene.texcoords.get(i as usize).copied().unwrap_or([0.0; 2]);
     let [a, b, c] = t.map(at);
     let b0 = 1.0 - hit.b1 - hit.b2;
     let uv = [0, 1].map(|k| b0 * a[k] + hit.b1 * b[k] + hit.b2 * c[k]);
-    sample_bitmap(record, &scene.texels, &scene.srgb_decode, uv)
+    let mut color = Vec3::ONE;
+    if let Some(record) = scene.textures.get(material.texture as usize) {
+        color *= sample_bitmap(record, &scene.texels, &scene.srgb_decode, uv);
+    }
+    if let Some(checker) = scene.checkers.get(material.checker as usize) {
+        color *= checker.color(uv);
+    }
+    color
 }
 
 /// The unit interpolated normal on the side of the surface that was met, or `None` where it is missing.

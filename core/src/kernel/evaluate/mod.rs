@@ -10,7 +10,7 @@ mod subdivide;
 
 use super::Kernel;
 use crate::backend::BackendError;
-use crate::bsdf::{Lobes, diffuse, fresnel, phong};
+use crate::bsdf::{Finish, Lobes, diffuse, fresnel, phong};
 use crate::geometry::{self, PreparedRay, Ray, RoundShape, SurfacePoint};
 use crate::light;
 use crate::math::{self, Vec3};
@@ -60,7 +60,13 @@ impl Reader<'_> {
     }
 
     fn lobes(&mut self) -> Lobes {
-        Lobes { albedo: self.vec3(), specular: self.vec3(), exponent: self.float(), mirror: self.word() != 0 }
+        Lobes {
+            albedo: self.vec3(),
+            specular: self.vec3(),
+            exponent: self.float(),
+            mirror: self.word() != 0,
+            finish: Finish::Plain,
+        }
     }
 
     /// A record of the compiled scene, word by word.

@@ -38,7 +38,7 @@ fn unit(u: f32) -> f32 {
 /// Sine and cosine of `u` turns, `u` in [0, 1]. The quarter turn is split off exactly, so that the result is symmetric in the four quarters
 /// and accurate relative to its own size near the axes.
 #[inline]
-fn sin_cos_turns(u: f32) -> (f32, f32) {
+pub(crate) fn sin_cos_turns(u: f32) -> (f32, f32) {
     let quarters = 4.0 * u;
     let nearest = (quarters + 0.5) as i32;
     let (s, c) = math::sin_cos_quarter((quarters - nearest as f32) * (0.5 * PI));

@@ -47,6 +47,9 @@ pub struct LitPiece {
 /// What a material reflects at most, per channel, without its bitmap.
 pub(super) fn reflectance(material: &MaterialRecord) -> Vec3 {
     let albedo = Vec3::from_array(material.albedo);
+    if material.flags & (material_flags::CONDUCTOR | material_flags::PLASTIC) != 0 {
+        return Vec3::ONE;
+    }
     if material.flags & material_flags::MIRROR != 0 {
         return albedo;
     }

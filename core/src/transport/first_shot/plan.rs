@@ -5,7 +5,7 @@ use crate::direct::emission::{Bitmap, PieceAlbedo, Published, Pyramid, VertexAlb
 use crate::geometry::HilbertGrid;
 use crate::light::emit;
 use crate::math::Vec3;
-use crate::scene::{CompiledScene, NO_INDEX};
+use crate::scene::{CompiledScene, NO_INDEX, material_flags};
 use alloc::vec::Vec;
 
 /// Most (triangle, light) pairs that are looked at; lights beyond are entries of their own. Where so many lights share the flux hardly any pair is worth
@@ -113,8 +113,10 @@ impl<'a> StartPlan<'a> {
 
     /// What the bitmap of a piece with these barycentrics on its triangle reflects; `None` without one.
     pub(super) fn bitmap_albedo(&self, triangle: u32, corners: [[f32; 3]; 3]) -> Option<BitmapAlbedo> {
-        let texture = self.scene.material_of(triangle).texture;
-        if texture == NO_INDEX {
+        let material = self.scene.material_of(triangle);
+        let texture = material.texture;
+        // What a coat reflects its body's bitmap says nothing of.
+        if texture == NO_INDEX || material.flags & material_flags::PLASTIC != 0 {
             return None;
         }
         let at = |i: u32| self.scene.texcoords.get(i as usize).copied().unwrap_or([0.0; 2]);

@@ -13,7 +13,7 @@ pub use boundaries::{Surroundings, inside_at, probe_starts};
 use super::back::{NO_RAY, camera_ray, emission, roulette, white_surface};
 use super::paths::{Paths, ProbeStart};
 use super::{Answer, Query, Surface, mis, surface_at};
-use crate::bsdf::Interface;
+use crate::bsdf::{BsdfSample, Interface};
 use crate::geometry::{Hit, Ray};
 use crate::light;
 use crate::math::{self, PI, Vec3};
@@ -25,6 +25,8 @@ use vertex::{Vertex, lead};
 
 /// Groups of sample dimensions of an event (a scattering, or a boundary that is crossed): the flight, the light, the direction.
 const GROUPS: u32 = 3;
+/// The first of the groups that choose the colour of paths which rough surfaces disperse, one an event.
+const COLOUR_GROUP: u32 = 1 << 24;
 /// Most boundaries that are crossed on one straight way: what would go on for ever between coincident ones ends.
 pub(super) const CROSSINGS_MAX: u32 = 1 << 12;
 
@@ -151,7 +153,10 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         if state.depth >= self.max_depth {
             return Query::Done;
         }
-        self.scatter(state, &Vertex::Surface(&surface))
+        if LOBES && surface.lobes.disperses() {
+            return self.scatter_colour(state, surface, beyond);
+        }
+        self.scatter(state, &Vertex::Surface(&surface, beyond))
     }
 
     /// Straight on, beyond a boundary: the same edge, and a direction of the same density.
@@ -174,17 +179,10 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     fn meet_interface(&self, state: &mut VolumeState, surface: &Surface, behind: (f32, Inside)) -> Query {
         let groups = 1 + GROUPS * state.event;
         let [choice, colour, _, survive] = state.sampler.group4(groups + 2);
-        let mut channel = state.channel;
-        if channel.is_none() && surface.interface.disperses() {
-            // From here on the path is of one colour, which stands for all three.
-            let chosen = ((3.0 * colour) as usize).min(2);
-            channel = Some(chosen as u8);
-            let kept = 3.0 * state.throughput[chosen];
-            state.throughput = Vec3::ZERO;
-            state.throughput[chosen] = kept;
+        if surface.interface.disperses() {
+            state.choose_channel(colour);
         }
-        state.channel = channel;
-        let channel = usize::from(channel.unwrap_or(0));
+        let channel = usize::from(state.channel.unwrap_or(0));
         let Some(passage) = surface.interface.pass(surface.shading, surface.wo, channel, choice) else {
             return Query::Done;
         };
@@ -221,6 +219,15 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         state.follow()
     }
 
+    /// Scatters at a surface that refracts by colour.
+    #[inline(never)]
+    fn scatter_colour(&self, state: &mut VolumeState, mut surface: Surface, beyond: Inside) -> Query {
+        let [colour, ..] = state.sampler.group4(COLOUR_GROUP + state.event);
+        state.choose_channel(colour);
+        surface.lobes = surface.lobes.of_channel(usize::from(state.channel.unwrap_or(0)));
+        self.scatter(state, &Vertex::Surface(&surface, beyond))
+    }
+
     #[inline(always)]
     fn flags(&self, hit: &Hit) -> u32 {
         self.scene.material_of(hit.primitive).flags
@@ -233,10 +240,18 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let connection = self.sample_light(state, vertex, groups + 1);
         state.next = NO_RAY;
         let [u, v, lobe, survive] = state.sampler.group4(groups + 2);
+        // The roulette is about what is absorbed: the squared index comes back when light leaves.
+        let kept = |s: &BsdfSample| {
+            let squared = if LOBES { vertex.index_ratio_squared(s.wi) } else { 1.0 };
+            Some((roulette(state.throughput, s.weight * squared, state.depth, survive)?, squared))
+        };
         if let Some(s) = vertex.sample::<SHADING>([u, v], lobe)
-            && let Some(throughput) = roulette(state.throughput, s.weight, state.depth, survive)
+            && let Some((throughput, squared)) = kept(&s)
         {
-            state.throughput = throughput;
+            state.throughput = if LOBES { throughput / squared } else { throughput };
+            if LOBES {
+                state.inside = vertex.media(state.inside, s.wi);
+            }
             state.pdf = s.pdf;
             state.vertex = vertex.leave(s.wi);
             state.lead = vertex.lead(state.vertex, s.wi);
@@ -278,7 +293,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             math::sqrt((s.point - vertex.position()).length_squared())
         };
         let lead = vertex.lead(ray.origin, ray.direction);
-        Some(Connection { ray, lead, left, inside: state.inside, carried, crossed: 0 })
+        let inside = if LOBES { vertex.media(state.inside, s.wi) } else { state.inside };
+        Some(Connection { ray, lead, left, inside, carried, crossed: 0 })
     }
 
     /// A connection has reached a surface, or its end.
@@ -356,7 +372,7 @@ impl<const LOBES: bool, const TEXTURES: bool, const SHADING: bool> Paths
         if self.max_depth == 0 {
             return (state, Query::Done);
         }
-        let query = self.scatter(&mut state, &Vertex::Surface(&surface));
+        let query = self.scatter(&mut state, &Vertex::Surface(&surface, start.inside));
         (state, query)
     }
 
@@ -403,6 +419,18 @@ impl VolumeState {
             event: 0,
             channel: None,
         }
+    }
+
+    /// From here on the path is of one colour, which stands for all three.
+    fn choose_channel(&mut self, u: f32) {
+        if self.channel.is_some() {
+            return;
+        }
+        let chosen = ((3.0 * u) as usize).min(2);
+        self.channel = Some(chosen as u8);
+        let kept = 3.0 * self.throughput[chosen];
+        self.throughput = Vec3::ZERO;
+        self.throughput[chosen] = kept;
     }
 
     #[inline(always)]

@@ -4,7 +4,7 @@ use crate::bsdf::BsdfSample;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::light;
 use crate::math::{self, Vec3};
-use crate::medium::phase;
+use crate::medium::{Inside, phase};
 use crate::transport::Surface;
 
 /// Length of way through the step that a ray takes off a surface \[m\]: a medium is there too. At grazing directions, below a cosine of a tenth, it is less than that.
@@ -16,15 +16,45 @@ pub(super) fn lead(surface: &Surface, origin: Vec3, direction: Vec3) -> f32 {
 
 /// Where light is scattered.
 pub(super) enum Vertex<'a> {
-    Surface(&'a Surface),
-    Medium { position: Vec3, wo: Vec3, g: f32 },
+    /// A surface, and what lies beyond it.
+    Surface(&'a Surface, Inside),
+    Medium {
+        position: Vec3,
+        wo: Vec3,
+        g: f32,
+    },
+}
+
+/// Light can leave a surface in this direction: above both of its normals, or below both where it transmits.
+#[inline(always)]
+fn goes(s: &Surface, wi: Vec3) -> bool {
+    let (flat, shading) = (wi.dot(s.geometric), wi.dot(s.shading));
+    flat > 0.0 && shading > 0.0 || flat < 0.0 && shading < 0.0 && s.lobes.transmits()
 }
 
 impl Vertex<'_> {
+    /// What a direction that leaves is in; `here`: what the arriving ray was in.
+    #[inline(always)]
+    pub(super) fn media(&self, here: Inside, wi: Vec3) -> Inside {
+        match self {
+            Self::Surface(s, beyond) if wi.dot(s.geometric) < 0.0 => *beyond,
+            _ => here,
+        }
+    }
+
+    /// See [`crate::bsdf::Lobes::index_ratio_squared`].
+    #[inline(always)]
+    pub(super) fn index_ratio_squared(&self, wi: Vec3) -> f32 {
+        match self {
+            Self::Surface(s, _) => s.lobes.index_ratio_squared(s.shading, s.wo, wi),
+            Self::Medium { .. } => 1.0,
+        }
+    }
+
     #[inline(always)]
     pub(super) fn position(&self) -> Vec3 {
         match self {
-            Self::Surface(s) => s.point.position,
+            Self::Surface(s, _) => s.point.position,
             Self::Medium { position, .. } => *position,
         }
     }
@@ -33,11 +63,11 @@ impl Vertex<'_> {
     #[inline(always)]
     pub(super) fn scattering(&self, wi: Vec3) -> (Vec3, f32) {
         match self {
-            Self::Surface(s) => {
-                if wi.dot(s.geometric) <= 0.0 {
+            Self::Surface(s, _) => {
+                if !goes(s, wi) {
                     return (Vec3::ZERO, 0.0);
                 }
-                let cos = wi.dot(s.shading).max(0.0);
+                let cos = math::abs(wi.dot(s.shading));
                 (s.lobes.eval(s.shading, s.wo, wi) * cos, s.lobes.pdf_solid_angle(s.shading, s.wo, wi))
             }
             Self::Medium { wo, g, .. } => {
@@ -51,10 +81,10 @@ impl Vertex<'_> {
     #[inline(always)]
     pub(super) fn sample<const SHADING: bool>(&self, u: [f32; 2], lobe: f32) -> Option<BsdfSample> {
         match self {
-            Self::Surface(s) => {
+            Self::Surface(s, _) => {
                 let found = s.lobes.sample(s.shading, s.wo, u, lobe)?;
-                // An interpolated normal can send light through the surface; such directions carry nothing.
-                (!SHADING || found.wi.dot(s.geometric) > 0.0).then_some(found)
+                // An interpolated normal can send light to the wrong side; such directions carry nothing.
+                (!SHADING || goes(s, found.wi)).then_some(found)
             }
             Self::Medium { wo, g, .. } => {
                 let wi = phase::sample(*g, *wo, u);
@@ -67,7 +97,7 @@ impl Vertex<'_> {
     #[inline(always)]
     pub(super) fn leave(&self, wi: Vec3) -> Vec3 {
         match self {
-            Self::Surface(s) => s.leave(wi),
+            Self::Surface(s, _) => s.leave(wi),
             Self::Medium { position, .. } => *position,
         }
     }
@@ -76,7 +106,7 @@ impl Vertex<'_> {
     #[inline(always)]
     pub(super) fn lead(&self, origin: Vec3, wi: Vec3) -> f32 {
         match self {
-            Self::Surface(s) => lead(s, origin, wi),
+            Self::Surface(s, _) => lead(s, origin, wi),
             Self::Medium { .. } => 0.0,
         }
     }
@@ -85,7 +115,7 @@ impl Vertex<'_> {
     #[inline(always)]
     pub(super) fn towards(&self, sample: &light::LightSample) -> Ray {
         match self {
-            Self::Surface(s) => light::shadow_ray(sample, &s.point, s.geometric),
+            Self::Surface(s, _) => light::shadow_ray(sample, &s.point, s.geometric),
             Self::Medium { position, .. } => {
                 let point = SurfacePoint { position: *position, extent: 0.0 };
                 light::shadow_ray(sample, &point, Vec3::ZERO)
@@ -97,7 +127,7 @@ impl Vertex<'_> {
     #[inline(always)]
     pub(super) fn has_density(&self) -> bool {
         match self {
-            Self::Surface(s) => s.lobes.has_density(),
+            Self::Surface(s, _) => s.lobes.has_density(),
             Self::Medium { .. } => true,
         }
     }
