@@ -76,7 +76,7 @@ mod tests {
             let back = f64::from(erf_inverse(y));
             assert!((back - f64::from(x)).abs() <= 4e-6 + slack, "inverse at {x}: {back}");
         }
-        assert_eq!(erf(0.0), 0.0);
+        assert!(erf(0.0).abs() < 1e-7);
         assert!(erf(50.0) == 1.0 && erf(-f32::INFINITY) == -1.0);
         assert!(erf_inverse(1.0) > 3.8 && erf_inverse(-2.0) < -3.8);
     }

@@ -146,12 +146,11 @@ fn sample_gaussian(v: Vec3, u: [f32; 2]) -> Vec3 {
             low = y;
         }
         let slope = cos - x * sin;
-        let next = y - error / slope;
-        let next = if slope > 0.0 && next > low && next < high { next } else { 0.5 * (low + high) };
-        if math::abs(next - y) <= 1e-7 {
+        if math::abs(error) <= 1e-7 * slope {
             break;
         }
-        y = next;
+        let next = y - error / slope;
+        y = if slope > 0.0 && next > low && next < high { next } else { 0.5 * (low + high) };
     }
     let (x, across) = (erf_inverse(y), erf_inverse(2.0 * u[1] - 1.0));
     let [c, s] = if sin > 0.0 { [v.x / sin, v.y / sin] } else { [1.0, 0.0] };

@@ -82,7 +82,7 @@ fn refracted(facets: &Facets, cos: f32, ratio: f32) -> f32 {
 
 /// 2 Int x(cos) cos d(cos) at mid-points.
 fn mean_over_cosines(x: impl Fn(f32) -> f32) -> f32 {
-    const STEPS: u32 = 1024;
+    const STEPS: u32 = 8192;
     let mut sum = math::Compensated::<f32>::new(0.0);
     for i in 0..STEPS {
         let cos = (i as f32 + 0.5) / STEPS as f32;
