@@ -7,7 +7,7 @@ use std::path::Path;
 use etendue::io::{
     LoadError, LoadedScene, MemorySource, Volume, encode_vol, parse_mesh_scene, parse_scene_toml,
 };
-use etendue_core::scene::{LightDesc, MaterialKind, ShapeKind};
+use etendue_core::scene::{Checker, LightDesc, MaterialKind, Reflectance, Roughness, ShapeKind};
 
 const QUAD: &str = "mtllib quad.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\nf 1 2 3 4\n";
 const QUAD_MTL: &str = "newmtl red\nKd 0.5 0.25 0.125\nKe 1 2 3\nmap_Kd wood.png\n";
@@ -131,7 +131,7 @@ texture = "wood.png"
 [[material]]
 name = "checked"
 kind = "diffuse"
-checker = { a = [0, 0, 0], b = [1, 1, 1], scale = 2 }
+checker = { a = [0, 0, 0], b = [1, 1, 1], repeat = [2, 4] }
 
 [[material]]
 name = "mirror"
@@ -161,6 +161,33 @@ ior = [1.510, 1.514, 1.521]
 roughness = 0.1
 distribution = "beckmann"
 fresnel = "exact"
+
+[[material]]
+name = "frosted"
+kind = "dielectric"
+exponent = 40
+fresnel = "schlick"
+
+[[material]]
+name = "steel"
+kind = "conductor"
+eta = 2.5
+k = 3.5
+roughness = 0.2
+
+[[material]]
+name = "ball"
+kind = "plastic"
+
+[[material]]
+name = "toy"
+kind = "plastic"
+albedo = [0.5, 0.25, 0.5]
+checker = { a = [0, 0, 0], b = [1, 1, 1] }
+ior = 1.6
+roughness = 0.3
+distribution = "beckmann"
+nonlinear = true
 
 [[material]]
 name = "gold"
@@ -242,19 +269,34 @@ fn everything_in_the_interface_parses() {
         other => panic!("{other:?}"),
     }
     assert!(!material("white").two_sided && material("wood").two_sided);
-    let unsupported = |name: &str| match &material(name).kind {
-        MaterialKind::Unsupported(kind) => kind.clone(),
-        other => panic!("{other:?}"),
+    let ior = [1.510, 1.514, 1.521];
+    let roughness = Roughness::Beckmann(0.1);
+    assert_eq!(material("glass").kind, MaterialKind::RoughDielectric { ior, schlick: false, roughness });
+    let roughness = Roughness::Phong(40.0);
+    let frosted = MaterialKind::RoughDielectric { ior: [1.5; 3], schlick: true, roughness };
+    assert_eq!(material("frosted").kind, frosted);
+    let (eta, k, roughness) = ([2.5; 3], [3.5; 3], Roughness::Ggx(0.2));
+    assert_eq!(material("steel").kind, MaterialKind::RoughConductor { eta, k, roughness });
+    let albedo = Reflectance::flat([0.5; 3]);
+    let ball = MaterialKind::Plastic { albedo, ior: 1.5, roughness: None, nonlinear: false };
+    assert_eq!(material("ball").kind, ball);
+    let checker = |repeat| Some(Checker { colors: [[0.0; 3], [1.0; 3]], repeat });
+    let toy = MaterialKind::Plastic {
+        albedo: Reflectance { color: [0.5, 0.25, 0.5], texture: String::new(), checker: checker([1.0; 2]) },
+        ior: 1.6,
+        roughness: Some(Roughness::Beckmann(0.3)),
+        nonlinear: true,
     };
-    assert_eq!(unsupported("glass"), "dielectric");
-    assert_eq!(unsupported("checked"), "checker");
-    assert_eq!(unsupported("film"), "thin_film, scatter = true");
+    assert_eq!(material("toy").kind, toy);
+    let checked = Reflectance { checker: checker([2.0, 4.0]), ..Reflectance::flat([1.0; 3]) };
+    assert_eq!(material("checked").kind, MaterialKind::Diffuse { albedo: checked });
+    let (reflect, transmit) = ([0.1; 3], [0.5; 3]);
+    assert_eq!(material("film").kind, MaterialKind::ScatteringFilm { reflect, transmit });
     let (eta, k) = ([0.2, 0.4, 1.3], [3.9, 2.4, 1.8]);
     assert_eq!(material("gold").kind, MaterialKind::Conductor { eta, k });
     let (reflect, transmit) = ([0.0; 3], [0.5, 0.25, 0.5]);
     assert_eq!(material("filter").kind, MaterialKind::ThinFilm { reflect, transmit });
     assert_eq!(material("pane").kind, MaterialKind::ThinDielectric { ior: [1.5; 3], schlick: true });
-    let ior = [1.510, 1.514, 1.521];
     assert_eq!(material("prism").kind, MaterialKind::Dielectric { ior, schlick: false });
     assert_eq!((d.media[0].priority, d.media[1].priority), (-2, 0));
     let grid = d.media[1].density.as_ref().unwrap();

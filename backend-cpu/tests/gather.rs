@@ -10,7 +10,7 @@ use etendue_core::backend::{
 use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings};
 use etendue_core::scene::{
-    LightDesc, MaterialKind, MeshDesc, Reflectance, SceneDesc, ShapeKind, TextureDesc, Wrap,
+    LightDesc, MaterialKind, MeshDesc, Reflectance, Roughness, SceneDesc, ShapeKind, TextureDesc, Wrap,
 };
 use etendue_core::transport::first_shot::{Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
@@ -185,6 +185,31 @@ fn phong_lobes() {
     let fine = ElementSettings { largest: 0.05, ..JOB.elements };
     let job = GatherJob { gather: false, photons: 1 << 16, elements: fine, ..JOB };
     check_image("Phong", &session(&desc, None), &job, 0.04);
+}
+
+#[test]
+fn rough_metals_and_plastic() {
+    let mut desc = room([0.6, 0.5, 0.3], [0.0; 3]);
+    lamp(&mut desc);
+    point(&mut desc);
+    furniture(&mut desc);
+    let plastic = |color, roughness| MaterialKind::Plastic {
+        albedo: Reflectance::flat(color),
+        ior: 1.5,
+        roughness,
+        nonlinear: true,
+    };
+    wall(&mut desc, "y-", plastic([0.7, 0.2, 0.4], Some(Roughness::Beckmann(0.3))));
+    let (eta, k) = ([0.2, 0.4, 1.3], [3.9, 2.4, 1.8]);
+    wall(&mut desc, "x+", MaterialKind::RoughConductor { eta, k, roughness: Roughness::Ggx(0.4) });
+    check("rough", &desc, &JOB);
+    // A smooth coat reflects a point light to where paths do not find it.
+    desc.lights.clear();
+    wall(&mut desc, "z+", plastic([0.2, 0.6, 0.7], None));
+    check("smooth", &desc, &JOB);
+    let fine = ElementSettings { largest: 0.05, ..JOB.elements };
+    let job = GatherJob { gather: false, photons: 1 << 16, elements: fine, ..JOB };
+    check_image("smooth", &session(&desc, None), &job, 0.04);
 }
 
 #[test]

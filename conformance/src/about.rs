@@ -75,6 +75,12 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
         K::SampleDiffuse => ("unit n, u in [0, 1)^2", "Malley 1988 over Shirley and Chiu 1997"),
         K::EvalPhong => ("unit vectors, exponent 0 to 1e4", "Lafortune and Willems 1994"),
         K::PdfPhong => ("unit vectors, exponent 0 to 1e4", "Lafortune and Willems 1994"),
+        K::FacetsDensity => ("unit vectors, alpha 1e-3 to 2", "Walter et al. 2007"),
+        K::FacetsMasking => ("unit vectors, alpha 1e-3 to 2", "Smith 1967, Walter et al. 2007"),
+        K::PdfVisible => ("unit vectors, alpha 1e-3 to 2", "Heitz and d'Eon 2014"),
+        K::SampleVisible => {
+            ("unit vectors, alpha 1e-3 to 2, u in [0, 1)^2", "Dupuy and Benyoub 2023, Jakob 2014")
+        }
         K::SamplePhong => ("unit vectors, u in [0, 1)^2", "Lafortune and Willems 1994"),
         K::EvalLobes => ("unit vectors", "sum of the lobes"),
         K::PdfLobes => ("unit vectors", "mixture by albedo"),

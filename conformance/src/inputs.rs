@@ -329,6 +329,10 @@ pub fn inputs(kernel: Kernel, count: usize) -> Vec<Batch> {
         | K::EvalPhong
         | K::PdfPhong
         | K::SamplePhong
+        | K::FacetsDensity
+        | K::FacetsMasking
+        | K::PdfVisible
+        | K::SampleVisible
         | K::EvalLobes
         | K::PdfLobes
         | K::SampleLobes => single(lights::scattering(kernel, count, r)),

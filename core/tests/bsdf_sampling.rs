@@ -146,7 +146,7 @@ fn furnaces_lose_what_is_known() {
                     ("glass", kept(&glass(rough, 1.5), wo)),
                     ("from glass", kept(&glass(rough, 1.0 / 1.5), wo)),
                 ] {
-                    let least = if alpha < 0.05 { 0.985 } else { 0.95 };
+                    let least = if alpha < 0.05 { 0.985 } else { 0.94 };
                     assert!(x >= least && x <= 1.003, "{what} {alpha} {beckmann} at {cos}: {x}");
                 }
             }

@@ -267,7 +267,7 @@ fn surfaces_are_those_of_mitsuba() {
         let (wo, wi) = (f32s(at(to, 0.0)), f32s(at(ti, phi)));
         let found = lobes.eval(Vec3::Z, wo, wi);
         // Tables of coats are interpolated otherwise, and means of smooth ones are its fits.
-        let tolerance = if name.starts_with("plastic") { 4e-3 } else { 2e-4 };
+        let tolerance = if name.starts_with("plastic") { 2e-3 } else { 2e-4 };
         for c in 0..3 {
             near(&format!("{name} {to} {ti} {phi}"), found[c], f[c], tolerance, 1e-6);
         }

@@ -65,6 +65,17 @@ pub(super) fn scattering(kernel: Kernel, count: usize, r: &mut Random) -> Vec<u3
                 put(&mut items, &[exponent(r)]);
                 put(&mut items, [n, wo, wi].as_flattened());
             }
+            K::FacetsDensity | K::FacetsMasking | K::PdfVisible | K::SampleVisible => {
+                items.push(u32::from(r.below(2) == 0));
+                put(&mut items, &[r.log_range(1e-3, 2.0)]);
+                put(&mut items, &n);
+                match kernel {
+                    K::FacetsDensity => put(&mut items, &near_mirror(n, n, r)),
+                    K::FacetsMasking => put(&mut items, &wo),
+                    K::PdfVisible => put(&mut items, [wo, near_mirror(n, n, r)].as_flattened()),
+                    _ => put(&mut items, &[wo[0], wo[1], wo[2], u[0], u[1]]),
+                }
+            }
             K::SamplePhong => {
                 put(&mut items, &[exponent(r)]);
                 put(&mut items, [n, wo].as_flattened());

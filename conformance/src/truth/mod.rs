@@ -11,6 +11,7 @@ mod bsdf;
 pub mod emission;
 mod emit;
 pub mod empty_box;
+mod facets;
 mod first_shot;
 mod geometry;
 mod light;
@@ -116,6 +117,9 @@ pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> Answer {
         | K::EvalLobes
         | K::PdfLobes
         | K::SampleLobes => bsdf::truth(kernel, &mut r),
+        K::FacetsDensity | K::FacetsMasking | K::PdfVisible | K::SampleVisible => {
+            facets::truth(kernel, &mut r)
+        }
         K::EvalPhase | K::SamplePhase | K::Transmittance | K::FresnelDielectric | K::FresnelConductor => {
             media::truth(kernel, &mut r)
         }

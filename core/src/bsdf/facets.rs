@@ -117,10 +117,10 @@ impl Facets {
 
 /// GGX of alpha = 1 is a hemisphere, which is seen as a cap of mirror directions.
 fn sample_cap(v: Vec3, u: [f32; 2]) -> Vec3 {
-    let z = (1.0 - u[0]) * (1.0 + v.z) - v.z;
-    let s = math::sqrt_clamped((1.0 - z) * (1.0 + z));
+    let height = u[0] * (1.0 + v.z);
+    let s = math::sqrt_clamped(height * (2.0 - height));
     let (across, along) = warp::sin_cos_turns(u[1]);
-    Vec3::new(s * along + v.x, s * across + v.y, (z + v.z).max(0.0))
+    Vec3::new(s * along + v.x, s * across + v.y, (1.0 - u[0]) * (1.0 + v.z))
 }
 
 /// Slopes of a Gaussian surface with alpha = 1 as v sees them: towards v, with density proportional to

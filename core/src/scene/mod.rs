@@ -20,8 +20,8 @@ mod needs;
 pub use bitmap::{SRGB_CODES, sample_bitmap, srgb_to_linear};
 pub use compile::compile;
 pub use compiled::{
-    CheckerRecord, CoatRecord, CompiledScene, GridRecord, LightKind, LightRecord, MaterialRecord, MediumRecord,
-    NO_INDEX, SurfaceRecord, TextureRecord, material_flags,
+    CheckerRecord, CoatRecord, CompiledScene, GridRecord, LightKind, LightRecord, MaterialRecord,
+    MediumRecord, NO_INDEX, SurfaceRecord, TextureRecord, material_flags,
 };
 pub use desc::{
     CameraDesc, Checker, EnvironmentDesc, EnvironmentImage, GridDesc, LightDesc, MaterialDesc, MaterialKind,

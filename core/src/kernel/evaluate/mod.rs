@@ -10,7 +10,7 @@ mod subdivide;
 
 use super::Kernel;
 use crate::backend::BackendError;
-use crate::bsdf::{Finish, Lobes, diffuse, fresnel, phong};
+use crate::bsdf::{Facets, Finish, Lobes, diffuse, fresnel, phong};
 use crate::geometry::{self, PreparedRay, Ray, RoundShape, SurfacePoint};
 use crate::light;
 use crate::math::{self, Vec3};
@@ -57,6 +57,10 @@ impl Reader<'_> {
 
     fn ray(&mut self) -> Ray {
         Ray { origin: self.vec3(), direction: self.vec3(), t_max: self.float() }
+    }
+
+    fn facets(&mut self) -> Facets {
+        if self.word() != 0 { Facets::beckmann(self.float()) } else { Facets::ggx(self.float()) }
     }
 
     fn lobes(&mut self) -> Lobes {
@@ -246,6 +250,10 @@ fn one(kernel: Kernel, shared: &Shared<'_>, mut r: Reader<'_>, w: &mut Writer<'_
         K::SampleDiffuse => w.vec3(diffuse::sample(r.vec3(), r.pair())),
         K::EvalPhong => w.vec3(phong::eval(r.vec3(), r.float(), r.vec3(), r.vec3(), r.vec3())),
         K::PdfPhong => w.float(phong::pdf_solid_angle(r.float(), r.vec3(), r.vec3(), r.vec3())),
+        K::FacetsDensity => w.float(r.facets().density(r.vec3(), r.vec3())),
+        K::FacetsMasking => w.float(r.facets().masking(r.vec3(), r.vec3())),
+        K::PdfVisible => w.float(r.facets().pdf_visible(r.vec3(), r.vec3(), r.vec3())),
+        K::SampleVisible => w.vec3(r.facets().sample_visible(r.vec3(), r.vec3(), r.pair())),
         K::SamplePhong => w.vec3(phong::sample(r.float(), r.vec3(), r.vec3(), r.pair())),
         K::EvalLobes => w.vec3(r.lobes().eval(r.vec3(), r.vec3(), r.vec3())),
         K::PdfLobes => w.float(r.lobes().pdf_solid_angle(r.vec3(), r.vec3(), r.vec3())),
