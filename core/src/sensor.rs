@@ -170,7 +170,7 @@ impl Camera {
     pub fn pixel(&self, lens: Vec3, p: Vec3) -> Option<[u32; 2]> {
         let to = p - lens;
         let along = to.dot(Vec3::from_array(self.forward));
-        if !(along > 0.0) {
+        if along.is_nan() || along <= 0.0 {
             return None;
         }
         // From the centre of the lens to where the ray crosses the plane that is in focus, at one unit along the axis.

@@ -52,6 +52,8 @@ pub(super) fn erf_inverse(y: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::disallowed_methods, reason = "truth in f64")]
+
     use super::*;
 
     /// Taylor's series, in f64.

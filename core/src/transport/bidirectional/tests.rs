@@ -52,7 +52,7 @@ impl Place {
             albedo: Vec3::splat(0.3),
             specular: Vec3::splat(if self.exponent > 0.0 { 0.4 } else { 0.0 }),
             exponent: self.exponent,
-            mirror: false,
+            ..Lobes::diffuse(Vec3::ZERO)
         };
         Scatterer::Surface { lobes, geometric: self.normal, shading: self.normal }
     }

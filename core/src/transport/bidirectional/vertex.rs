@@ -182,7 +182,7 @@ impl Vertex {
                     }
                     return Some((s, None));
                 }
-                if !SHADING && !(LOBES && lobes.transmits()) {
+                if !(SHADING || LOBES && lobes.transmits()) {
                     return Some((s, Some([s.pdf, lobes.pdf_solid_angle(n, s.wi, self.wo)])));
                 }
                 let (f, pdf) = self.scattering::<LOBES, SHADING>(from, s.wi);

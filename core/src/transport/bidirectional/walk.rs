@@ -50,6 +50,7 @@ pub(super) struct Walk {
 }
 
 /// Where a walk has come to.
+#[expect(clippy::large_enum_variant, reason = "one at a time, taken apart where it is made")]
 pub(super) enum Step {
     /// It goes on along its ray.
     On,
@@ -148,7 +149,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         let Some(hit) = hit else { return Step::Away };
         let (hit, beyond) =
             if VOLUME { resolve(self.scene, &walk.ray, hit, walk.inside) } else { (hit, walk.inside) };
-        let Some(surface) = surface_at::<LOBES, DETAIL, DETAIL>(self.scene, &walk.ray, &hit) else {
+        let Some(mut surface) = surface_at::<LOBES, DETAIL, DETAIL>(self.scene, &walk.ray, &hit) else {
             return Step::Over;
         };
         if VOLUME && self.flags(&hit) & material_flags::NULL != 0 {
@@ -158,6 +159,10 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         seen(walk, Seen::Surface(&surface, &chain, walk.flown + hit.t), links);
         if VOLUME && LOBES && surface.interface != Interface::Opaque {
             return self.meet_interface(walk, &surface, chain, (hit.t, beyond), sampler, channel, links);
+        }
+        if VOLUME && LOBES && surface.lobes.disperses() {
+            walk.choose(channel);
+            surface.lobes = surface.lobes.of_channel(channel);
         }
         let vertex = Vertex { beyond, ..Vertex::at_surface(&surface, chain) };
         Step::At(self.vertex(walk, vertex))
@@ -233,12 +238,8 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         links: &mut Links,
     ) -> Step {
         let [choice, _, _, survive] = sampler.group4(self.groups(walk) + 2);
-        if surface.interface.disperses() && !walk.coloured {
-            // From here on the walk is of one colour, which stands for all three.
-            walk.coloured = true;
-            let kept = 3.0 * walk.carried[channel];
-            walk.carried = Vec3::ZERO;
-            walk.carried[channel] = kept;
+        if surface.interface.disperses() {
+            walk.choose(channel);
         }
         let Some(passage) = surface.interface.pass(surface.shading, surface.wo, channel, choice) else {
             return Step::Over;
@@ -300,6 +301,17 @@ pub(super) enum Seen<'a> {
 }
 
 impl Walk {
+    /// From here on the walk is of one colour, which stands for all three.
+    fn choose(&mut self, channel: usize) {
+        if self.coloured {
+            return;
+        }
+        self.coloured = true;
+        let kept = 3.0 * self.carried[channel];
+        self.carried = Vec3::ZERO;
+        self.carried[channel] = kept;
+    }
+
     /// Leaves a vertex.
     #[inline]
     pub(super) fn leave(&mut self, (index, chain): (u32, &Chain), left: Option<[f32; 2]>, facing: f32) {
