@@ -97,10 +97,9 @@ fn samples_have_their_density_and_weigh_their_value() {
                 let off = (weight - s.weight).abs().max_element();
                 assert!(off <= 2e-3 * s.weight.max_element() + 1e-6, "{case}: {weight} {s:?}");
                 observed[cell(s.wi)] += 1;
-                for c in 0..3 {
-                    let x = f64::from(s.weight[c]);
-                    sums[c][0] += x;
-                    sums[c][1] += x * x;
+                for (sum, x) in sums.iter_mut().zip(f64s(s.weight)) {
+                    sum[0] += x;
+                    sum[1] += x * x;
                 }
             }
             assert!(delta == 0.0 || lobes.has_delta(), "{case}");
