@@ -173,14 +173,6 @@ kernels! {
     PdfPhong = "phong::pdf_solid_angle", exact(0, 10, 1);
     /// exponent, n, wo (vec3 each), u (2) -> wi (vec3).
     SamplePhong = "phong::sample", exact(0, 9, 3);
-    /// Beckmann flag, alpha, n, m (vec3 each) -> density.
-    FacetsDensity = "facets::density", exact(0, 8, 1);
-    /// Beckmann flag, alpha, n, v (vec3 each) -> share.
-    FacetsMasking = "facets::masking", exact(0, 8, 1);
-    /// Beckmann flag, alpha, n, wo, m (vec3 each) -> density.
-    PdfVisible = "facets::pdf_visible", exact(0, 11, 1);
-    /// Beckmann flag, alpha, n, wo (vec3 each), u (2) -> m (vec3).
-    SampleVisible = "facets::sample_visible", exact(0, 10, 3);
     /// albedo, specular (vec3 each), exponent, mirror flag, n, wo, wi (vec3 each) -> f (vec3).
     EvalLobes = "lobes::eval", exact(0, 17, 3);
     /// albedo, specular (vec3 each), exponent, mirror flag, n, wo, wi (vec3 each) -> density.
@@ -298,6 +290,15 @@ kernels! {
     EmitLight = "emit::emit", exact(28, 4, 9);
     /// radiance (vec3), the scene's bounding sphere (4) | u (4) -> origin, direction, flux (vec3 each).
     EmitEnvironment = "emit::emit_environment", exact(7, 4, 9);
+    // facets
+    /// Beckmann flag, alpha, n, m (vec3 each) -> density.
+    FacetsDensity = "facets::density", exact(0, 8, 1);
+    /// Beckmann flag, alpha, n, v (vec3 each) -> share.
+    FacetsMasking = "facets::masking", exact(0, 8, 1);
+    /// Beckmann flag, alpha, n, wo, m (vec3 each) -> density.
+    PdfVisible = "facets::pdf_visible", exact(0, 11, 1);
+    /// Beckmann flag, alpha, n, wo (vec3 each), u (2) -> m (vec3).
+    SampleVisible = "facets::sample_visible", exact(0, 10, 3);
 }
 
 impl Kernel {
