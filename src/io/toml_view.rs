@@ -89,11 +89,6 @@ impl<'a> Section<'a> {
         Some((value.get_ref(), self.doc.line(&value.span())))
     }
 
-    /// Does the field exist?
-    pub(crate) fn line_of(&self, key: &'static str) -> Option<usize> {
-        self.get(key).map(|v| v.1)
-    }
-
     /// A value that must exist.
     pub(crate) fn required<T>(
         &self,
