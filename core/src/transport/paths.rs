@@ -96,8 +96,16 @@ pub trait Paths {
 macro_rules! with_tracer {
     ($code:expr, ($scene:expr, $max_depth:expr, $camera:expr), |$tracer:ident| $body:expr) => {{
         use $crate::transport::{path::PathTracer, volume::VolumeTracer};
+        let code: $crate::transport::TransportCode = $code;
         if $scene.needs.volume() {
-            $crate::with_transport_code!($code, |$tracer = VolumeTracer($scene, $max_depth, $camera)| $body)
+            // Two instances: flights and boundaries cost more than what lobes, bitmaps and normals would save.
+            if code.lobes || code.textures || code.shading_normals {
+                let $tracer = VolumeTracer::<true, true, true>::new($scene, $max_depth, $camera);
+                $body
+            } else {
+                let $tracer = VolumeTracer::<false, false, false>::new($scene, $max_depth, $camera);
+                $body
+            }
         } else {
             $crate::with_transport_code!($code, |$tracer = PathTracer($scene, $max_depth)| $body)
         }
