@@ -6,6 +6,8 @@
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
 mod common;
+#[path = "shared_scenes/media.rs"]
+mod media;
 #[path = "shared_scenes/photons.rs"]
 mod photons;
 

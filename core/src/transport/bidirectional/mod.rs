@@ -461,8 +461,9 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         emitters::preference(light, pdf, math::abs(vertex.wo.dot(normal)) / d2)
     }
 
+    // Never inlined: images and probes share it, with the walks through the tree that it holds.
     /// Runs a sample to its end; returns what it measures and the number of rays it took. `splat` takes what lands in other pixels.
-    #[inline]
+    #[inline(never)]
     pub fn run<I: Intersector + ?Sized>(
         &self,
         state: &mut State,

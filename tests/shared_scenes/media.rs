@@ -1,0 +1,128 @@
+//! Scenes of Mitsuba with its own images: media, rough surfaces, caustics; by paths from one end and from both.
+
+use super::*;
+use etendue::core::transport::bidirectional::Heuristic;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Method {
+    Path,
+    Bdpt,
+}
+
+/// Renders a scene file at a size (or its own) with so many samples.
+fn render(
+    path: &Path,
+    method: Method,
+    size: Option<[u32; 2]>,
+    samples: u64,
+    max_depth: Option<u32>,
+) -> RenderImage {
+    let loaded = load_scene(path).unwrap_or_else(|e| panic!("{e}"));
+    let (mut scene, _) = compile(&loaded.desc).unwrap();
+    if let (Some(camera), Some([width, height])) = (&mut scene.camera, size) {
+        *camera = camera.with_resolution(width, height);
+    }
+    let session = open_backend(BackendKind::Cpu, None).unwrap().open(Arc::new(scene)).unwrap();
+    let max_depth = max_depth.or(loaded.max_depth).unwrap_or(u32::MAX);
+    let settings = Settings { max_depth, ..settings(samples) };
+    let outcome = match method {
+        Method::Path => driver::image(&*session, &settings, &Silent),
+        Method::Bdpt => driver::bidirectional_image(&*session, &settings, Heuristic::Power, &Silent),
+    }
+    .unwrap();
+    tell(&format!("{} {method:?}", path.file_stem().unwrap().to_string_lossy()), &outcome);
+    assert_eq!((outcome.film.invalid(), outcome.film.saturated()), (0, 0));
+    image_of(&outcome.film)
+}
+
+/// The references state a variance per sample of an unknown number: our own variance alone, the reference taken as exact; what its noise adds stands in the mean of z^2.
+fn media(name: &str, reference: &str, samples: u64) {
+    let Some(root) = shared_scenes() else { return };
+    let root = root.join("mitsuba_media");
+    let r = read_exr(&root.join(format!("refs/{reference}_ref_rgb.exr"))).unwrap();
+    for method in [Method::Path, Method::Bdpt] {
+        let x = render(&root.join(format!("{name}.xml")), method, None, samples, None);
+        let metrics = measure(&x, &r, None, None);
+        let intervals = metrics.bias_interval.unwrap();
+        for (bias, [low, high]) in metrics.bias.iter().zip(intervals) {
+            // The reference's own noise comes on top of ours.
+            assert!(bias.abs() <= 0.005 + 0.5 * (high - low), "{name} {method:?}: {bias} in {low}..{high}");
+        }
+        assert!((metrics.block_ratio[1] - 1.0).abs() <= 0.01, "{name} {method:?}: {:?}", metrics.block_ratio);
+        // Pixels by themselves, at samples at which our noise outweighs the reference's.
+        let z_pass = metrics.z_pass.unwrap();
+        assert!(z_pass >= 0.9975, "{name} {method:?}: {z_pass}");
+    }
+}
+
+#[test]
+fn shared_media_hetero_sigmat() {
+    media("test_hetero_sigmat_volpath", "test_hetero_sigmat", 64);
+}
+
+#[test]
+fn shared_media_hetero_spectral() {
+    media("test_hetero_spectral_sigmat_volpathmis", "test_hetero_spectral_sigmat", 64);
+}
+
+#[test]
+fn shared_media_homo_area_light() {
+    media("test_homo_area_light_volpath", "test_homo_area_light", 64);
+}
+
+#[test]
+fn shared_media_homo_null_envmap() {
+    media("test_homo_null_envmap_volpath", "test_homo_null_envmap", 64);
+}
+
+#[test]
+fn shared_media_homo_obj_inside() {
+    media("test_homo_obj_inside_medium_volpath", "test_homo_obj_inside_medium", 64);
+}
+
+#[test]
+fn shared_media_surf_area_light() {
+    media("test_surf_area_light_volpath", "test_surf_area_light", 64);
+}
+
+/// The means of cells of `factor` pixels a side: an image at a lower resolution.
+fn halved(image: &RenderImage, factor: u32) -> RenderImage {
+    let (width, height) = (image.width / factor, image.height / factor);
+    let mut radiance = vec![[0.0_f32; 3]; (width * height) as usize];
+    for y in 0..height * factor {
+        for x in 0..width * factor {
+            let from = image.radiance[(y * image.width + x) as usize];
+            let to = &mut radiance[(y / factor * width + x / factor) as usize];
+            for c in 0..3 {
+                to[c] += from[c] / (factor * factor) as f32;
+            }
+        }
+    }
+    RenderImage { width, height, radiance, ..RenderImage::default() }
+}
+
+/// Images of Tungsten at a quarter of their size, which their tent filter hardly touches; `limits`: of the median and of the 5th and 95th percentile of blocks.
+fn bitterli(name: &str, samples: u64, limits: [f64; 2], depth: Option<u32>, methods: &[Method]) {
+    let Some(root) = shared_scenes() else { return };
+    let root = root.join("bitterli").join(name);
+    let whole = read_exr(&root.join("TungstenRender.exr")).unwrap();
+    let r = halved(&whole, 4);
+    for method in methods {
+        let x = render(&root.join("scene.xml"), *method, Some([r.width, r.height]), samples, depth);
+        let metrics = measure(&x, &r, None, None);
+        let [low, median, high] = metrics.block_ratio;
+        assert!((median - 1.0).abs() <= limits[0], "{name} {method:?}: {median}");
+        assert!(low >= 1.0 - limits[1] && high <= 1.0 + limits[1], "{name} {method:?}: {low} {high}");
+    }
+}
+
+#[test]
+fn shared_bitterli_cornell_box() {
+    bitterli("cornell-box", 32, [0.005, 0.02], None, &[Method::Path, Method::Bdpt]);
+}
+
+/// Light through glass onto walls: paths from the sensor alone do not find enough of it here.
+#[test]
+fn shared_bitterli_veach_bidir() {
+    bitterli("veach-bidir", 32, [0.03, 0.5], Some(6), &[Method::Bdpt]);
+}
