@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{FLOOR, Folder, POINTS, closed_cornell, run};
+use common::{FLOOR, FOG, Folder, POINTS, closed_cornell, run};
 use etendue::io::{RenderImage, read_exr, read_png, read_points, write_exr, write_png};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -120,6 +120,32 @@ fn the_settings_in_an_image_decide_its_bits_and_say_nothing_else() {
     let text = settings.to_string();
     for word in ["second", "time", "date", "thread", "adapter", "host", "rays", "out.exr"] {
         assert!(!text.contains(word), "`{word}` in {text}");
+    }
+}
+
+#[test]
+fn an_image_names_the_rule_of_its_airlight() {
+    let folder = Folder::new();
+    let lamp = "\n[[light]]\nkind = \"point\"\nposition = [0.5, 2, -1]\nintensity = [5, 5, 5]\n";
+    let scene = folder.write("fog.toml", &format!("{FOG}{lamp}"));
+    let exr = folder.arg("out.exr");
+    let render = |more: &[&str]| {
+        run(&[&["render", &scene, "-o", &exr, "--samples", "64", "--quiet"], more].concat()).exits(0);
+        read_exr(exr.as_ref()).unwrap()
+    };
+    let mean = |image: &RenderImage| image.radiance.iter().map(|x| f64::from(x[1])).sum::<f64>() / 64.0;
+    let flights = render(&[]);
+    assert!(!flights.metadata.contains("scatter"), "{}", flights.metadata);
+    for (rule, nodes) in [("trapezoid", None), ("plain", Some("24")), ("equiangular", Some("8"))] {
+        let mut more = vec!["--single-scatter", rule];
+        more.extend(nodes.iter().flat_map(|n| ["--scatter-nodes", n]));
+        let summed = render(&more);
+        let settings: Value = serde_json::from_str(&summed.metadata).unwrap();
+        let nodes: u32 = nodes.map_or(16, |n| n.parse().unwrap());
+        assert_eq!((&settings["method"], &settings["single_scatter"]), (&json!("path"), &json!(rule)));
+        assert_eq!(settings["scatter_nodes"], json!(nodes));
+        assert!((mean(&summed) / mean(&flights) - 1.0).abs() < 0.03, "{rule}: {}", mean(&summed));
+        assert_ne!(summed.radiance, flights.radiance);
     }
 }
 

@@ -24,7 +24,7 @@ use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, FirstShot, FirstShotError, Forecast, Subdivision, Weights};
 use etendue_core::transport::gather::{MapView, ProbePlace};
-use etendue_core::transport::volume::{Surroundings, probe_starts};
+use etendue_core::transport::volume::{Airlight, SingleScatter, Surroundings, has_airlight, probe_starts};
 use etendue_core::transport::{Paths, ProbeStart, TransportCode, place_probe};
 use etendue_core::with_tracer;
 use std::convert::Infallible;
@@ -316,6 +316,31 @@ impl Session for CpuSession {
             };
             run_blocks(&self.pool, job, &chunks, mean, control, film)
         })
+    }
+
+    fn airlight_image(
+        &self,
+        job: &PathJob,
+        single: SingleScatter,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        single.check()?;
+        if !has_airlight(&self.scene) {
+            return self.path_image(job, control, film);
+        }
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.check_paths(job, film, &expected)?;
+        let width = expected.width;
+        // One instance: what a scene does not need costs little beside the rays of nodes.
+        let tracer =
+            Airlight::<true, true, true>::new(&self.scene, job.max_depth, self.surroundings.camera, single);
+        let mean = |element: u32, block: u32| {
+            let pixel = [element % width, element / width];
+            pixel_block(&tracer, &self.tree, pixel, job, block)
+        };
+        let chunks = image_chunks(width, expected.height);
+        run_blocks(&self.pool, job, &chunks, mean, control, film)
     }
 
     fn bidirectional_image(

@@ -12,6 +12,7 @@ use etendue_core::scene::{
     MediumDesc, Reflectance, SceneDesc, ShapeDesc, ShapeKind, compile,
 };
 use etendue_core::transport::bidirectional::Heuristic;
+use etendue_core::transport::volume::{Rule, SingleScatter};
 use etendue_cpu::{CpuBackend, CpuSession};
 use std::sync::Arc;
 
@@ -64,11 +65,11 @@ fn irradiance(desc: &SceneDesc, position: [f32; 3], normal: [f32; 3], job: &Path
     result(&film)
 }
 
-/// Radiance of a ray: that of a camera of one narrow pixel.
-fn radiance(desc: &SceneDesc, from: [f32; 3], to: [f32; 3], medium: &str, job: &PathJob) -> Found {
+/// A camera of one narrow pixel.
+fn sight(from: [f32; 3], to: [f32; 3], medium: &str) -> CameraDesc {
     let along = [0, 1, 2].map(|k| (to[k] - from[k]).abs());
     let up = if along[1] > along[0] + along[2] { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    let camera = CameraDesc {
+    CameraDesc {
         position: from,
         look_at: to,
         up,
@@ -77,8 +78,12 @@ fn radiance(desc: &SceneDesc, from: [f32; 3], to: [f32; 3], medium: &str, job: &
         lens_radius: 0.0,
         focus_distance: 1.0,
         medium: medium.into(),
-    };
-    let session = open(&SceneDesc { camera: Some(camera), ..desc.clone() });
+    }
+}
+
+/// Radiance of a ray.
+fn radiance(desc: &SceneDesc, from: [f32; 3], to: [f32; 3], medium: &str, job: &PathJob) -> Found {
+    let session = open(&SceneDesc { camera: Some(sight(from, to, medium)), ..desc.clone() });
     let mut film = Film::new(image_film_settings(session.scene(), job).unwrap());
     session.path_image(job, &NoControl, &mut film).unwrap();
     result(&film)
@@ -319,6 +324,14 @@ fn soups_of_media_give_numbers() {
         let desc = SceneDesc { materials, media, shapes, lights, ..SceneDesc::default() };
         let few = PathJob { seed: 1, block_length: 16, blocks: 0..2, max_depth: u32::MAX };
         let (mean, stderr) = radiance(&desc, [0.05, 0.3, -4.0], [0.0; 3], "", &few);
+        assert!(mean.iter().chain(&stderr).all(|x| x.is_finite() && *x >= 0.0), "{seed}: {mean:?}");
+        let rule = [Rule::Trapezoid, Rule::PlainTrapezoid, Rule::Equiangular][seed as usize % 3];
+        let eye = sight([0.05, 0.3, -4.0], [0.0; 3], "");
+        let session = open(&SceneDesc { camera: Some(eye), ..desc.clone() });
+        let mut film = Film::new(image_film_settings(session.scene(), &few).unwrap());
+        let single = SingleScatter { rule, nodes: 3 };
+        session.airlight_image(&few, single, &NoControl, &mut film).unwrap();
+        let (mean, stderr) = result(&film);
         assert!(mean.iter().chain(&stderr).all(|x| x.is_finite() && *x >= 0.0), "{seed}: {mean:?}");
         let (mean, _) = irradiance(&desc, [0.0, 0.0, -3.0], [0.0, 0.0, 1.0], &few);
         assert!(mean.iter().all(|x| x.is_finite() && *x >= 0.0), "{seed}: {mean:?}");

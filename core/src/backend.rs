@@ -21,6 +21,7 @@ use crate::scene::CompiledScene;
 use crate::transport::bidirectional::{self, Heuristic};
 use crate::transport::first_shot::{FirstShotError, Forecast, Subdivision, Weights};
 use crate::transport::photon::{LightPlan, Sequence};
+use crate::transport::volume::SingleScatter;
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -463,6 +464,22 @@ pub trait Session: Send + Sync {
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError>;
+
+    /// Path-traces an image, with light of lights without size that is scattered once on its way to the camera summed along the camera's rays, into `film` (of [`image_film_settings`]). On an
+    /// error the film is unchanged.
+    ///
+    /// # Errors
+    /// As [`Self::path_image`]; also without nodes; or the backend has no such job.
+    fn airlight_image(
+        &self,
+        job: &PathJob,
+        single: SingleScatter,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let _ = (job, single, control, film);
+        Err(BackendError::Unsupported { backend: "chosen", what: "summed single scattering".into() })
+    }
 
     /// Traces an image from both ends into `film` (of [`image_film_settings`]). On an error the film is unchanged.
     ///

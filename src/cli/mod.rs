@@ -17,6 +17,7 @@ mod progress;
 mod radiosity_args;
 mod relight;
 mod render;
+mod scatter_args;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

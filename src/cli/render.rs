@@ -6,6 +6,7 @@ use super::gather_args::{Estimator, GatherArgs};
 use super::job::{Stages, open, read_scene, report, summary, warn_about};
 use super::output::{check_folder, image_of, write_image};
 use super::progress::Bar;
+use super::scatter_args::ScatterArgs;
 use crate::driver::{self, radiosity};
 use serde_json::json;
 use std::path::PathBuf;
@@ -25,6 +26,8 @@ pub(super) struct Args {
     #[command(flatten)]
     sampling: SamplingArgs,
     #[command(flatten)]
+    scatter: ScatterArgs,
+    #[command(flatten)]
     gather: GatherArgs,
     #[command(flatten)]
     tone: ToneArgs,
@@ -38,6 +41,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     args.sampling.check_method()?;
     args.gather.check(&args.sampling)?;
+    args.scatter.check(&args.sampling)?;
     for file in std::iter::once(&args.output).chain(&args.tone.png) {
         check_folder(file)?;
     }
@@ -48,7 +52,10 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     let bar = Bar::new(&args.talk);
     let estimator = args.gather.estimator(&args.sampling, &*opened.session, false, (&bar, &mut stages))?;
     let outcome = match &estimator {
-        Estimator::Path => driver::image(&*opened.session, &settings, &bar)?,
+        Estimator::Path => match args.scatter.single() {
+            Some(single) => driver::airlight_image(&*opened.session, &settings, single, &bar)?,
+            None => driver::image(&*opened.session, &settings, &bar)?,
+        },
         Estimator::Bidirectional(heuristic) => {
             driver::bidirectional_image(&*opened.session, &settings, *heuristic, &bar)?
         }
@@ -76,6 +83,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     });
     if let Some(map) = metadata.as_object_mut() {
         args.gather.describe(&estimator, &settings, map);
+        args.scatter.describe(map);
     }
     let image = image_of(&outcome, metadata.to_string());
     write_image(&image, &args.output, args.tone.png.as_deref(), args.tone.settings())?;
@@ -84,6 +92,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     if args.talk.json {
         let mut map = report(&opened, &outcome, settings.seed, &stages);
         args.gather.describe(&estimator, &settings, &mut map);
+        args.scatter.describe(&mut map);
         estimator.count(&outcome, &settings, &mut map);
         map.insert("width".into(), json!(image.width));
         map.insert("height".into(), json!(image.height));

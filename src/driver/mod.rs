@@ -18,6 +18,7 @@ use etendue_core::backend::{
 };
 use etendue_core::film::Film;
 use etendue_core::transport::bidirectional::Heuristic;
+use etendue_core::transport::volume::SingleScatter;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
@@ -148,6 +149,23 @@ pub fn image(
     let film = Film::new(backend::image_film_settings(session.scene(), &first)?);
     drive(film, first, settings.budget, watcher, &even, |job, control, film| {
         session.path_image(job, control, film)
+    })
+}
+
+/// Path-traces an image, its airlight summed along the camera's rays.
+///
+/// # Errors
+/// As [`Session::airlight_image`]; being stopped is no error.
+pub fn airlight_image(
+    session: &dyn Session,
+    settings: &Settings,
+    single: SingleScatter,
+    watcher: &dyn Watcher,
+) -> Result<Outcome, BackendError> {
+    let first = first_job(settings);
+    let film = Film::new(backend::image_film_settings(session.scene(), &first)?);
+    drive(film, first, settings.budget, watcher, &even, |job, control, film| {
+        session.airlight_image(job, single, control, film)
     })
 }
 

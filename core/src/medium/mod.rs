@@ -116,6 +116,18 @@ impl<'a> Medium<'a> {
         flight::transmittance_of(self.sigma_t, regular::optical_length(grid, &line, length, self.sigma_t))
     }
 
+    /// Where on the way from 0 to `limit` \[m\] there may be any extinction.
+    #[inline(always)]
+    pub(crate) fn extent(&self, ray: &Ray, lead: f32, limit: f32) -> Option<[f32; 2]> {
+        match self.density() {
+            None => Some([0.0, limit]),
+            Some(grid) => {
+                let line = grid.line(ray.origin - ray.direction * lead, ray.direction);
+                regular::extent(&grid, &line, limit)
+            }
+        }
+    }
+
     /// Radiance \[W m^-2 sr^-1\] that the medium sends back along a length \[m\] of a ray: the integral of emission times T. On a way without end, where nothing is absorbed, it has no value and
     /// is 0.
     #[inline(always)]

@@ -51,6 +51,12 @@ fn along<V: Value>(grid: &Grid<'_>, line: &Line, limit: f32, until: impl Fn(V) -
     sum
 }
 
+/// Where a line is in the box, on the way from 0 to `limit` \[m\].
+pub(crate) fn extent(grid: &Grid<'_>, line: &Line, limit: f32) -> Option<[f32; 2]> {
+    let walk = Walk::new(grid, line, limit, true)?;
+    Some([walk.before, walk.before + walk.end])
+}
+
 /// Integral of the density along a line \[m\], per channel. Where every channel with extinction `sigma` is opaque already, what comes behind is left out.
 pub(crate) fn optical_length(grid: &Grid<'_>, line: &Line, limit: f32, sigma: Vec3) -> Vec3 {
     if grid.is_coloured() {

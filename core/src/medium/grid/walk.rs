@@ -33,7 +33,8 @@ pub(super) struct Walk<'a> {
     /// Metres of the line before the walk.
     pub(super) before: f32,
     t: f32,
-    end: f32,
+    /// Where the walk ends on its own scale \[m\].
+    pub(super) end: f32,
     piece: [i32; 3],
     next: [f32; 3],
     block: usize,

@@ -46,6 +46,15 @@ pub(super) struct Connection {
     pixel: Option<[u32; 2]>,
 }
 
+/// Which vertex a joint leaves.
+#[derive(Clone, Copy)]
+enum Joined<'a> {
+    /// The sensor's last.
+    Eye,
+    /// One of the light's, for the camera at this pixel.
+    Light(&'a Vertex, [u32; 2]),
+}
+
 impl Connection {
     pub(super) fn nothing() -> Self {
         Self {
@@ -179,13 +188,13 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         let exchange = self.with_camera(camera, vertex, lens);
         let point = SurfacePoint { position: lens, extent: 0.0 };
         let ray = between(vertex, &point, Vec3::ZERO, &exchange);
-        self.launch(state, vertex, &exchange, ray, Some(pixel))
+        self.launch(state, Joined::Light(vertex, pixel), &exchange, ray)
     }
 
     /// The sensor's last vertex joined to a sampled light.
     #[inline]
     fn join_light(&self, state: &mut State) -> Option<Query> {
-        let vertex = state.vertex;
+        let vertex = &state.vertex;
         if !self.settings.uses(1, vertex.index + 1) || self.scene.lights.is_empty() {
             return None;
         }
@@ -193,14 +202,14 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         let group = 1 + GROUPS * state.walk.event.wrapping_sub(1) + 1;
         let [pick, u, v, _] = state.sampler.bits4(group);
         let (index, s) = emitters::sample(self.scene, vertex.position(), pick, [u, v])?;
-        let exchange = self.with_light(&vertex, &self.scene.lights[index as usize], &s);
+        let exchange = self.with_light(vertex, &self.scene.lights[index as usize], &s);
         let ray = if s.distant {
             Ray { origin: vertex.leave(s.wi), direction: s.wi, t_max: f32::MAX }
         } else {
             let point = SurfacePoint { position: s.point, extent: s.extent };
-            between(&vertex, &point, s.normal, &exchange)
+            between(vertex, &point, s.normal, &exchange)
         };
-        self.launch(state, &vertex, &exchange, ray, None)
+        self.launch(state, Joined::Eye, &exchange, ray)
     }
 
     /// The sensor's last vertex joined to one of the light's.
@@ -213,8 +222,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         }
         let exchange = self.between_walks(eye, light)?;
         let ray = between(eye, &light.point, light.normal(), &exchange);
-        let eye = *eye;
-        self.launch(state, &eye, &exchange, ray, None)
+        self.launch(state, Joined::Eye, &exchange, ray)
     }
 
     /// The next joint of the sensor's last vertex from this one on: 0 is that to a light.
@@ -254,44 +262,52 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
 
     /// Sends a joint on its way, if it can bring anything.
     #[inline]
-    fn launch(
-        &self,
-        state: &mut State,
-        from: &Vertex,
-        exchange: &Exchange,
-        ray: Ray,
-        pixel: Option<[u32; 2]>,
-    ) -> Option<Query> {
+    fn launch(&self, state: &mut State, joined: Joined<'_>, exchange: &Exchange, ray: Ray) -> Option<Query> {
         let Exchange { carried, ends, distance, .. } = *exchange;
         if carried == Vec3::ZERO || !carried.is_finite() {
             return None;
         }
-        let mut connection =
-            Connection { ray, left: distance, carried, ends, pixel, ..Connection::nothing() };
+        let pixel = match joined {
+            Joined::Eye => None,
+            Joined::Light(_, pixel) => Some(pixel),
+        };
+        let mut carried = carried;
         // Weights by cutoff may be nothing now and something when the way is known.
         let known = !VOLUME || !self.settings.lists();
         let weight = if known { self.weight(&state.links, &ends, 1.0) } else { 1.0 };
-        let brings = math::mean(connection.carried) * weight;
+        let brings = math::mean(carried) * weight;
         let enough = SMALL * math::mean(state.radiance);
-        if brings < enough && connection.pixel.is_none() && self.settings.only.is_none() {
+        if brings < enough && pixel.is_none() && self.settings.only.is_none() {
             let chance = brings / enough;
-            let number = (connection.ends[0].map_or(0, |e| e.index) << 12).wrapping_add(from.index);
+            let number = (ends[0].map_or(0, |e| e.index) << 12).wrapping_add(state.vertex.index);
             let [u, _] = state.sampler.group2(CHANCE_GROUPS + number);
             if u >= chance {
                 return None;
             }
-            connection.carried /= chance;
+            carried /= chance;
         }
-        if VOLUME {
-            connection.ray = with_unit_direction(connection.ray);
-            connection.lead = from.lead(connection.ray.origin, connection.ray.direction);
-            connection.inside = from.media(connection.ray.direction);
-            state.connection = connection;
-            return Some(Query::Closest(connection.ray));
+        if !VOLUME {
+            // Nothing on the way changes what it brings.
+            state.connection.carried = carried * weight;
+            state.connection.pixel = pixel;
+            return Some(Query::Shadow(ray));
         }
-        connection.carried *= weight;
-        state.connection = connection;
-        Some(Query::Shadow(connection.ray))
+        let ray = with_unit_direction(ray);
+        let from = match joined {
+            Joined::Eye => &state.vertex,
+            Joined::Light(vertex, _) => vertex,
+        };
+        state.connection = Connection {
+            ray,
+            lead: from.lead(ray.origin, ray.direction),
+            left: distance,
+            inside: from.media(ray.direction),
+            carried,
+            ends,
+            pixel,
+            ..Connection::nothing()
+        };
+        Some(Query::Closest(ray))
     }
 
     /// A joint has reached its end or something in the way.

@@ -3,9 +3,11 @@
 use super::weight::Chain;
 use crate::bsdf::{BsdfSample, Lobes};
 use crate::geometry::{SurfacePoint, offset_origin};
-use crate::math::{self, Vec3};
+use crate::math::{self, PI, Vec3};
 use crate::medium::{Inside, phase};
 use crate::transport::Surface;
+
+const FRAC_1_PI: f32 = 1.0 / PI;
 
 /// From which end of a path a walk comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,6 +132,9 @@ impl Vertex {
                 let (there, here) = (wi.dot(*geometric), self.wo.dot(*geometric));
                 if there <= 0.0 && !(LOBES && lobes.transmits()) {
                     return (Vec3::ZERO, [0.0; 2]);
+                }
+                if !LOBES && !SHADING {
+                    return (lobes.albedo * (there * FRAC_1_PI), [there * FRAC_1_PI, here * FRAC_1_PI]);
                 }
                 // The normal that lobes are seen about from a direction: an interpolated one that points away from it does not count.
                 let about = |w: Vec3| {

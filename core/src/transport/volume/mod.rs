@@ -5,9 +5,11 @@
 //! they are no vertices, count no edges, and a direction keeps its density beyond them. Connections to lights cross them too, with the product of the transmittances on the way.
 //! Unbiased up to `max_depth`.
 
+mod airlight;
 pub(super) mod boundaries;
 mod vertex;
 
+pub use airlight::{Airlight, NODES_MAX, Rule, SingleScatter, has_airlight};
 pub use boundaries::{Surroundings, inside_at, probe_starts};
 
 use super::back::{NO_RAY, camera_ray, emission, roulette, white_surface};
@@ -72,6 +74,8 @@ pub struct VolumeState {
     event: u32,
     /// The channel of a path that was refracted by its colour.
     channel: Option<u8>,
+    /// The airlight of lights without size is known already; see [`Airlight`].
+    airlight: bool,
 }
 
 /// A straight way to a light.
@@ -282,19 +286,14 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let mut carried = state.throughput * f * s.contribution;
         if s.pdf > 0.0 {
             carried *= mis::power_heuristic(s.pdf, other);
+        } else if state.airlight && state.depth == 1 && matches!(vertex, Vertex::Medium { .. }) {
+            return None;
         }
         if carried == Vec3::ZERO {
             return None;
         }
-        let ray = with_unit_direction(vertex.towards(&s));
-        let left = if s.distant {
-            f32::INFINITY
-        } else {
-            math::sqrt((s.point - vertex.position()).length_squared())
-        };
-        let lead = vertex.lead(ray.origin, ray.direction);
         let inside = if LOBES { vertex.media(state.inside, s.wi) } else { state.inside };
-        Some(Connection { ray, lead, left, inside, carried, crossed: 0 })
+        Some(vertex.connection(&s, inside, carried))
     }
 
     /// A connection has reached a surface, or its end.
@@ -418,6 +417,7 @@ impl VolumeState {
             depth: 0,
             event: 0,
             channel: None,
+            airlight: false,
         }
     }
 

@@ -1,8 +1,9 @@
 //! A place where light is scattered: on a surface or in a medium.
 
+use super::{Connection, with_unit_direction};
 use crate::bsdf::BsdfSample;
 use crate::geometry::{Ray, SurfacePoint};
-use crate::light;
+use crate::light::{self, LightSample};
 use crate::math::{self, Vec3};
 use crate::medium::{Inside, phase};
 use crate::transport::Surface;
@@ -113,7 +114,7 @@ impl Vertex<'_> {
 
     /// The ray to a place on a light.
     #[inline(always)]
-    pub(super) fn towards(&self, sample: &light::LightSample) -> Ray {
+    pub(super) fn towards(&self, sample: &LightSample) -> Ray {
         match self {
             Self::Surface(s, _) => light::shadow_ray(sample, &s.point, s.geometric),
             Self::Medium { position, .. } => {
@@ -121,6 +122,19 @@ impl Vertex<'_> {
                 light::shadow_ray(sample, &point, Vec3::ZERO)
             }
         }
+    }
+
+    /// The way to a place on a light, through the medium around the vertex, with what it brings if it is free and clear.
+    #[inline(always)]
+    pub(super) fn connection(&self, sample: &LightSample, inside: Inside, carried: Vec3) -> Connection {
+        let ray = with_unit_direction(self.towards(sample));
+        let left = if sample.distant {
+            f32::INFINITY
+        } else {
+            math::sqrt((sample.point - self.position()).length_squared())
+        };
+        let lead = self.lead(ray.origin, ray.direction);
+        Connection { ray, lead, left, inside, carried, crossed: 0 }
     }
 
     /// Light sampling can contribute.
