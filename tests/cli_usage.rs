@@ -144,17 +144,19 @@ fn bad_usage_exits_with_2() {
 }
 
 #[test]
-fn methods_of_later_versions_are_refused_by_name() {
+fn heuristics_are_for_bidirectional_paths() {
     let folder = Folder::new();
     let points = folder.write("points.json", POINTS);
-    let method = "bdpt";
-    let says = [format!("method `{method}`"), "not in this version".into(), "`path`".into()];
-    let says = says.each_ref().map(String::as_str);
-    run(&["render", &closed_cornell(), "-o", &folder.arg("a.exr"), "--method", method]).exits(2).says(&says);
-    let args =
-        ["probe", &closed_cornell(), "--points", &points, "-o", &folder.arg("a.json"), "--method", method];
-    run(&args).exits(2).says(&says);
+    let says = ["--heuristic", "--method bdpt"];
+    let balance = ["--heuristic", "balance"];
+    let scene = closed_cornell();
+    let (image, list) = (folder.arg("a.exr"), folder.arg("a.json"));
+    run(&[&["render", &scene, "-o", &image], &balance[..]].concat()).exits(2).says(&says);
+    let probe = ["probe", &scene, "--points", &points, "-o", &list];
+    run(&[&probe[..], &["--method", "path"], &balance].concat()).exits(2).says(&says);
     assert_eq!(folder.names(), ["points.json"]);
+    run(&[&probe[..], &["--method", "bdpt", "--samples", "16", "--quiet"], &balance].concat()).exits(0);
+    assert_eq!(folder.names(), ["a.json", "points.json"]);
 }
 
 #[test]

@@ -61,7 +61,7 @@ impl Estimator {
     fn slack(self) -> f64 {
         match self {
             Self::Path => 1.0,
-            Self::Bidirectional => 2.5,
+            Self::Bidirectional => 4.0,
         }
     }
 }

@@ -20,6 +20,8 @@ const PIXEL_ALPHA: f64 = 0.01;
 const MEAN_ALPHA: f64 = 1e-4;
 /// Least share of pixels that must agree.
 const PIXEL_SHARE: f64 = 0.9975;
+/// The same where samples are spared.
+const THRIFTY_SHARE: f64 = 0.99;
 /// Relative error that f32 may have beyond the noise.
 const ROUNDING: f64 = 2e-5;
 /// The mean must be known this well, or the comparison has no power.
@@ -123,14 +125,16 @@ pub fn check(
         agree += usize::from(good);
     }
     let share = agree as f64 / found.len() as f64;
+    // With fewer samples more pixels at edges and of rare light have seen too little to know their noise.
+    let enough = if estimator.thrift() > 1 { THRIFTY_SHARE } else { PIXEL_SHARE };
     let mut out = vec![(
         name("pixels"),
-        share >= PIXEL_SHARE && film.invalid() == 0 && film.saturated() == 0,
+        share >= enough && film.invalid() == 0 && film.saturated() == 0,
         format!(
             "{:.2} % of {} pixels agree (at least {:.2} %); {worst:.2} of what is allowed at {at}",
             100.0 * share,
             found.len(),
-            100.0 * PIXEL_SHARE
+            100.0 * enough
         ),
     )];
     let power = MEAN_POWER * f64::from(estimator.thrift()).sqrt();
