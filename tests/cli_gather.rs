@@ -163,7 +163,7 @@ fn what_maps_cannot_do_is_refused() {
         "{camera}{floor}material = \"m\"\n[[material]]\nname = \"m\"\nkind = \"mirror\"\nalbedo = [0.9, 0.9, 0.9]\n[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\nintensity = [1, 1, 1]\n"
     );
     let mirror = folder.write("mirror.toml", &mirror);
-    photon(&mirror, &["--max-depth", "3"]).exits(2).says(&["--max-depth", "mirrors"]);
+    photon(&mirror, &["--max-depth", "3"]).exits(2).says(&["--max-depth", "diffuse surfaces"]);
     assert!(!std::path::Path::new(&exr).exists());
     photon(&mirror, &["--photons", "1000", "--samples", "16", "--gather"]).exits(0);
 }

@@ -118,7 +118,7 @@ fn what_cannot_be_done_is_said_and_leaves_the_film() {
     };
     bad_job(GatherJob { photons: 1000, ..JOB }, "power of two");
     bad_job(GatherJob { path: PathJob { block_length: 3, ..JOB.path }, ..JOB }, "power of two");
-    bad_job(GatherJob { path: PathJob { max_depth: 4, ..JOB.path }, ..JOB }, "mirrors");
+    bad_job(GatherJob { path: PathJob { max_depth: 4, ..JOB.path }, ..JOB }, "diffuse surfaces");
     let together = ElementSettings { sides: Sides::Together, ..JOB.elements };
     bad_job(GatherJob { elements: together, ..JOB }, "sides");
     let start = PhotonStart::Lights { registers_direct: true, survives_first: false };

@@ -18,11 +18,11 @@ use std::sync::Arc;
 
 const SIDE: u32 = 64;
 /// Samples per pixel of the rungs of both ladders.
-const PATHS: [u32; 4] = [16, 64, 256, 1024];
-const BOTH: [u32; 3] = [16, 64, 256];
-const TURNS: u64 = 3;
+const PATHS: [u32; 3] = [16, 64, 256];
+const BOTH: [u32; 2] = [16, 64];
+const TURNS: u64 = 2;
 /// Samples of the reference, from both ends.
-const REFERENCE: u32 = 2048;
+const REFERENCE: u32 = 1024;
 
 struct Scene {
     name: &'static str,
@@ -117,7 +117,7 @@ fn climb(scene: &Scene, compiled: &Arc<CompiledScene>) -> Vec<Ladder> {
     let mut ladders = vec![
         Ladder { name: "path", method: Method::Path, rungs: rungs(&PATHS) },
         Ladder { name: "bdpt, power", method: both, rungs: rungs(&BOTH) },
-        Ladder { name: "bdpt, balance", method: Method::Both(Heuristic::Balance), rungs: rungs(&BOTH[..2]) },
+        Ladder { name: "bdpt, balance", method: Method::Both(Heuristic::Balance), rungs: rungs(&BOTH) },
     ];
     for turn in 0..TURNS {
         for rung in 0..PATHS.len() {

@@ -2,7 +2,7 @@
 //!
 //! Each sample takes a walk from a light and one from the sensor. Every vertex of the first is joined to the sensor itself (t = 1: what it brings lands in whatever pixel sees it) and to every vertex of the
 //! second (s, t >= 2); the second is joined to a sampled light (s = 1) and counts the light that it meets (s = 0). All of these are ways to make the same paths, and share them by the weights of
-//! [`weight`]. Null boundaries and panes are passed straight, by walks and by joints.
+//! `weight`. Null boundaries and panes are passed straight, by walks and by joints.
 //!
 //! Emission of media and a uniform environment are met by the sensor's walk alone, with weight 1. The strategy s = t = 1, which only a camera that looks at a light could use, is left to s = 0.
 //! What is unlikely to bring anything is joined by roulette: the chance is what it would bring over a part of what the sample has brought so far.
