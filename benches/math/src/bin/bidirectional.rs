@@ -22,7 +22,7 @@ const PATHS: [u32; 3] = [16, 64, 256];
 const BOTH: [u32; 2] = [16, 64];
 const TURNS: u64 = 2;
 /// Samples of the reference, from both ends.
-const REFERENCE: u32 = 1024;
+const REFERENCE: u32 = 512;
 
 struct Scene {
     name: &'static str,
@@ -44,6 +44,7 @@ fn scenes() -> Vec<Scene> {
             ("area", "closed Cornell box, area light", "closed_cornell/area.toml", u32::MAX),
             ("point", "closed Cornell box, point light", "closed_cornell/point.toml", u32::MAX),
             ("fog", "closed Cornell box in fog", "closed_cornell/fog.toml", u32::MAX),
+            ("volume", "caustic in a gas, seven edges", "bitterli/volumetric-caustic/scene_mitsuba05.xml", 7),
             ("veach", "Veach's room, six edges", "bitterli/veach-bidir/scene.xml", 6),
         ] {
             list.push(Scene { name, title, file: shared.join(file), max_depth });
