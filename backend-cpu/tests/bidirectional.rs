@@ -7,8 +7,8 @@ use etendue_core::backend::{
 };
 use etendue_core::film::Film;
 use etendue_core::scene::{
-    CameraDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, MeshDesc, Reflectance, SceneDesc,
-    ShapeDesc, ShapeKind, compile,
+    CameraDesc, LightDesc, MaterialDesc, MaterialKind, MediumDesc, MeshDesc, Reflectance, Roughness,
+    SceneDesc, ShapeDesc, ShapeKind, compile,
 };
 use etendue_core::transport::bidirectional::{CUTOFF, Heuristic};
 use etendue_cpu::{CpuBackend, CpuSession};
@@ -278,6 +278,45 @@ fn glass_panes_and_beams_agree_with_paths() {
     let with = mean(&both(&session, &BidirectionalJob::new(job.clone())));
     let without = mean(&path(&session, &job));
     assert!(with.0 > without.0 + 3.0 * with.1.hypot(without.1), "{with:?} {without:?}");
+}
+
+/// One thing of each rough kind in the room: what the lobes of both ends carry must be the same light.
+#[test]
+fn rough_surfaces_agree_with_paths() {
+    let rough = Roughness::Ggx(0.3);
+    let albedo = Reflectance::flat([0.6, 0.4, 0.3]);
+    let kinds = [
+        (
+            "metal",
+            MaterialKind::RoughConductor { eta: [0.2, 0.9, 1.1], k: [3.9, 2.4, 2.2], roughness: rough },
+        ),
+        ("glass", MaterialKind::RoughDielectric { ior: [1.5; 3], schlick: false, roughness: rough }),
+        ("prism", MaterialKind::RoughDielectric { ior: [1.3, 1.5, 1.9], schlick: false, roughness: rough }),
+        (
+            "plastic",
+            MaterialKind::Plastic { albedo: albedo.clone(), ior: 1.5, roughness: None, nonlinear: true },
+        ),
+        (
+            "rough plastic",
+            MaterialKind::Plastic {
+                albedo,
+                ior: 1.5,
+                roughness: Some(Roughness::Beckmann(0.2)),
+                nonlinear: false,
+            },
+        ),
+        ("film", MaterialKind::ScatteringFilm { reflect: [0.3, 0.2, 0.1], transmit: [0.5, 0.6, 0.3] }),
+    ];
+    for (name, kind) in kinds {
+        let mut desc = room();
+        desc.materials.push(material(name, kind, [0.0; 3]));
+        desc.shapes.push(shape(ShapeKind::Sphere { center: [0.3, -0.5, -0.2], radius: 0.4 }, name, ""));
+        let session = open(&desc, 2);
+        let job = job(32, 512, 6);
+        let (film, truth) = (both(&session, &BidirectionalJob::new(job.clone())), path(&session, &job));
+        agree(name, mean(&film), mean(&truth), 0.01);
+        pixels_agree(name, &film, &truth);
+    }
 }
 
 #[test]
