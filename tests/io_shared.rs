@@ -1,21 +1,13 @@
 //! Loads the shared scenes, where `ETENDUE_SCENES` names their folder.
 #![cfg(feature = "io")]
 
+mod common;
+
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use common::shared_scenes;
 use etendue::io;
-
-/// The folder of the shared scenes; nothing when the variable is unset, which is said.
-fn scenes() -> Option<PathBuf> {
-    let Ok(value) = std::env::var("ETENDUE_SCENES") else {
-        println!("skipped: ETENDUE_SCENES is not set");
-        return None;
-    };
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(value);
-    assert!(path.is_dir(), "ETENDUE_SCENES is set, but {} is not a folder", path.display());
-    Some(path)
-}
 
 fn files(folder: &Path, extension: &str, out: &mut Vec<PathBuf>) {
     let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
@@ -31,7 +23,7 @@ fn files(folder: &Path, extension: &str, out: &mut Vec<PathBuf>) {
 
 #[test]
 fn shared_every_obj_loads_or_is_refused_with_its_line() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     let mut all = Vec::new();
     files(&root, "obj", &mut all);
     assert!(all.len() > 40);
@@ -61,7 +53,7 @@ fn shared_every_obj_loads_or_is_refused_with_its_line() {
 
 #[test]
 fn shared_sponza_loads_whole_and_fast() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     let path = root.join("sponza_dabrovic/sponza.obj");
     let scene = io::load_scene(&path).unwrap();
     let mesh = &scene.desc.meshes[0];
@@ -78,7 +70,7 @@ fn shared_sponza_loads_whole_and_fast() {
 
 #[test]
 fn shared_closed_cornell_scenes_load() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     for (name, shapes, lights, media) in [("area", 1, 0, 0), ("point", 0, 1, 0), ("fog", 2, 0, 1)] {
         let scene = io::load_scene(&root.join(format!("closed_cornell/{name}.toml"))).unwrap();
         let d = &scene.desc;
@@ -92,7 +84,7 @@ fn shared_closed_cornell_scenes_load() {
 
 #[test]
 fn shared_every_exr_reads() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     let mut all = Vec::new();
     files(&root, "exr", &mut all);
     assert!(all.len() > 15);
@@ -116,7 +108,7 @@ fn shared_every_exr_reads() {
 
 #[test]
 fn shared_every_list_of_points_reads() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     let points = io::read_points(&root.join("closed_cornell/area_points.json")).unwrap();
     assert_eq!(points.len(), 1024);
     assert!(points.iter().all(|p| p.irradiance.is_some()));

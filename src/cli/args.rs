@@ -44,9 +44,10 @@ pub(super) enum Method {
 }
 
 /// How strategies share paths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum HeuristicChoice {
     /// By the squares of their densities
+    #[default]
     Power,
     /// By their densities
     Balance,
@@ -55,6 +56,11 @@ pub(super) enum HeuristicChoice {
 }
 
 impl HeuristicChoice {
+    /// As it is asked for.
+    pub(super) fn name(self) -> String {
+        self.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
+    }
+
     pub(super) fn heuristic(self) -> Heuristic {
         match self {
             Self::Power => Heuristic::Power,

@@ -9,7 +9,6 @@ use crate::driver::{self, Budget, GatherSettings, Outcome, Settings, Watcher};
 use clap::Args;
 use etendue_core::backend::{GatherJob, Session};
 use etendue_core::illumination::Sides;
-use etendue_core::transport::bidirectional::Heuristic;
 use serde_json::{Map, Value, json};
 
 /// Photons of all blocks together, where nothing is said.
@@ -36,7 +35,7 @@ pub(super) struct GatherArgs {
 #[derive(Debug)]
 pub(super) enum Estimator {
     Path,
-    Bidirectional(Heuristic),
+    Bidirectional(HeuristicChoice),
     Photon(GatherSettings),
     Radiosity(Box<Ready>),
 }
@@ -63,8 +62,7 @@ impl GatherArgs {
             }
             Some(Method::Photon) => {}
             Some(Method::Bdpt) => {
-                let heuristic = sampling.heuristic.unwrap_or(HeuristicChoice::Power);
-                return Ok(Estimator::Bidirectional(heuristic.heuristic()));
+                return Ok(Estimator::Bidirectional(sampling.heuristic.unwrap_or_default()));
             }
             _ => return Ok(Estimator::Path),
         }
@@ -121,12 +119,7 @@ impl GatherArgs {
             map.insert("element_size".into(), json!(gather.photons.elements.largest));
         }
         if let Estimator::Bidirectional(heuristic) = estimator {
-            let name = match heuristic {
-                Heuristic::Power => "power",
-                Heuristic::Balance => "balance",
-                Heuristic::Cutoff(_) => "cutoff",
-            };
-            map.insert("heuristic".into(), json!(name));
+            map.insert("heuristic".into(), json!(heuristic.name()));
         }
         if let Estimator::Radiosity(ready) = estimator {
             ready.describe(map);

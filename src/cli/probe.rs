@@ -52,7 +52,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     let outcome = match &estimator {
         Estimator::Path => driver::probes(&*opened.session, &probes, &settings, &bar)?,
         Estimator::Bidirectional(heuristic) => {
-            driver::bidirectional_probes(&*opened.session, &probes, &settings, *heuristic, &bar)?
+            driver::bidirectional_probes(&*opened.session, &probes, &settings, heuristic.heuristic(), &bar)?
         }
         Estimator::Photon(gather) => {
             driver::photon_probes(&*opened.session, &probes, &settings, gather, &bar)?

@@ -57,7 +57,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
             None => driver::image(&*opened.session, &settings, &bar)?,
         },
         Estimator::Bidirectional(heuristic) => {
-            driver::bidirectional_image(&*opened.session, &settings, *heuristic, &bar)?
+            driver::bidirectional_image(&*opened.session, &settings, heuristic.heuristic(), &bar)?
         }
         Estimator::Photon(gather) => driver::photon_image(&*opened.session, &settings, gather, &bar)?,
         Estimator::Radiosity(ready) => {

@@ -2,6 +2,8 @@
 #![cfg(feature = "io")]
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
+#[path = "../common/mod.rs"]
+mod common;
 mod light;
 mod shapes;
 mod shared;

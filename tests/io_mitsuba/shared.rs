@@ -1,20 +1,10 @@
 //! Loads the shared Mitsuba scenes, where `ETENDUE_SCENES` names their folder.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use crate::common::shared_scenes;
 use etendue::io::{self, LoadedScene};
 use etendue_core::scene::{LightDesc, MaterialKind, Roughness, SceneDesc, ShapeKind};
-
-/// The folder of the shared scenes; nothing when the variable is unset, which is said.
-fn scenes() -> Option<PathBuf> {
-    let Ok(value) = std::env::var("ETENDUE_SCENES") else {
-        println!("skipped: ETENDUE_SCENES is not set");
-        return None;
-    };
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(value);
-    assert!(path.is_dir(), "ETENDUE_SCENES is set, but {} is not a folder", path.display());
-    Some(path)
-}
 
 fn load(root: &Path, name: &str) -> LoadedScene {
     let scene = io::load_scene(&root.join(name)).unwrap_or_else(|e| panic!("{e}"));
@@ -36,7 +26,7 @@ fn kind<'a>(d: &'a SceneDesc, name: &str) -> &'a MaterialKind {
 
 #[test]
 fn shared_media_scenes_load() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     for (name, expected) in [
         ("test_hetero_sigmat_volpath", [3, 0, 1, 3, 1]),
         ("test_hetero_spectral_sigmat_volpathmis", [3, 0, 1, 3, 1]),
@@ -65,7 +55,7 @@ fn shared_media_scenes_load() {
 
 #[test]
 fn shared_media_on_grids_are_as_the_files_say() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     for (name, channels, scale, albedo) in [
         ("test_hetero_sigmat_volpath", 1, 5.0, [0.99, 0.5, 0.5]),
         ("test_hetero_spectral_sigmat_volpathmis", 3, 2.0, [0.99; 3]),
@@ -101,7 +91,7 @@ fn shared_media_on_grids_are_as_the_files_say() {
 
 #[test]
 fn shared_cornell_box_has_its_red_wall_on_the_left() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     let scene = load(&root, "bitterli/cornell-box/scene.xml");
     let d = &scene.desc;
     assert_eq!(counts(d), [2, 6, 0, 8, 0]);
@@ -138,7 +128,7 @@ fn shared_cornell_box_has_its_red_wall_on_the_left() {
 
 #[test]
 fn shared_veach_bidir_loads() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     let d = load(&root, "bitterli/veach-bidir/scene.xml").desc;
     assert_eq!(counts(&d), [12, 2, 0, 6, 0]);
     let MaterialKind::RoughConductor { eta, roughness, .. } = kind(&d, "LampBSDF") else { panic!() };
@@ -162,7 +152,7 @@ fn shared_veach_bidir_loads() {
 
 #[test]
 fn shared_cornell_boxes_in_rgb_load_and_in_spectra_do_not() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     let scene = load(&root, "mitsuba_cbox/cbox-rgb.xml");
     let d = &scene.desc;
     assert_eq!(counts(d), [8, 0, 0, 5, 0]);
@@ -182,7 +172,7 @@ fn shared_cornell_boxes_in_rgb_load_and_in_spectra_do_not() {
 
 #[test]
 fn shared_volumetric_caustic_loads() {
-    let Some(root) = scenes() else { return };
+    let Some(root) = shared_scenes() else { return };
     let d = load(&root, "bitterli/volumetric-caustic/scene_mitsuba05.xml").desc;
     assert_eq!(counts(&d), [0, 8, 0, 8, 1]);
     assert_eq!((d.media[0].sigma_a, d.media[0].sigma_s), ([0.0; 3], [1.0; 3]));
