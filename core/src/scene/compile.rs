@@ -1,5 +1,6 @@
 //! `SceneDesc -> CompiledScene`: names become indices, everything is checked once, lights are collected.
 
+use super::check::{finite, not_negative, out_of_range, positive, unit};
 use super::compiled::{
     CompiledScene, MaterialRecord, MediumRecord, NO_INDEX, SurfaceRecord, TextureRecord, material_flags,
 };
@@ -15,8 +16,7 @@ use super::material::{checker_record, coat_record, material_record};
 use super::mesh::{MeshTransform, check_mesh, repeated_triangles};
 use super::needs::SceneNeeds;
 use crate::geometry::{Aabb, BoxTree, RoundShape, geometric_normal, sliver_factor};
-use crate::light::emit::is_point_like;
-use crate::math::{self, Vec3};
+use crate::math::Vec3;
 use crate::sensor::Camera;
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -69,7 +69,8 @@ pub fn compile(desc: &SceneDesc) -> Result<(CompiledScene, CompileReport), Scene
     }
     let drafts = core::mem::take(&mut b.lights);
     lights::finish(&mut b.out, drafts, &mut b.report)?;
-    b.needs();
+    let missing = core::mem::take(&mut b.unsupported);
+    b.out.needs = SceneNeeds::of(&b.out, &b.material_drafts, b.media_present, missing);
     b.out.crossings = crossings(&b.out);
     Ok((b.out, b.report))
 }
@@ -107,77 +108,6 @@ struct Builder {
     round: Vec<(RoundShape, SurfaceRecord)>,
     unsupported: Vec<String>,
     media_present: bool,
-}
-
-impl Default for CompiledScene {
-    fn default() -> Self {
-        Self {
-            positions: Vec::new(),
-            triangles: Vec::new(),
-            shapes: Vec::new(),
-            surfaces: Vec::new(),
-            texcoords: Vec::new(),
-            normals: Vec::new(),
-            materials: Vec::new(),
-            material_names: Vec::new(),
-            checkers: Vec::new(),
-            coats: Vec::new(),
-            textures: Vec::new(),
-            texels: Vec::new(),
-            srgb_decode: Vec::new(),
-            lights: Vec::new(),
-            light_cumulative: Vec::new(),
-            environment: [0.0; 3],
-            environment_map: None,
-            media: Vec::new(),
-            grids: Vec::new(),
-            grid_values: Vec::new(),
-            camera_medium: 0,
-            camera: None,
-            bounds: Aabb::EMPTY,
-            crossings: BoxTree::default(),
-            needs: SceneNeeds::default(),
-        }
-    }
-}
-
-/// All numbers are finite, or an error that names the field.
-pub(super) fn finite(place: &str, field: &'static str, values: &[f32]) -> Result<(), SceneError> {
-    if values.iter().all(|v| v.is_finite()) {
-        Ok(())
-    } else {
-        Err(SceneError::NotFinite { place: place.to_string(), field })
-    }
-}
-
-/// All numbers are finite and at least zero.
-pub(super) fn not_negative(place: &str, field: &'static str, values: &[f32]) -> Result<(), SceneError> {
-    finite(place, field, values)?;
-    match values.iter().find(|v| **v < 0.0) {
-        None => Ok(()),
-        Some(&value) => out_of_range(place, field, value, "a number not below 0"),
-    }
-}
-
-pub(super) fn out_of_range<T>(
-    place: &str,
-    field: &'static str,
-    value: f32,
-    expected: &'static str,
-) -> Result<T, SceneError> {
-    Err(SceneError::OutOfRange { place: place.to_string(), field, value, expected })
-}
-
-/// A unit vector along `v`, or an error that names the field.
-pub(super) fn unit(place: &str, field: &'static str, v: [f32; 3]) -> Result<Vec3, SceneError> {
-    finite(place, field, &v)?;
-    let n = math::normalize_or(Vec3::from_array(v), Vec3::ZERO);
-    if n == Vec3::ZERO { out_of_range(place, field, 0.0, "a direction of non-zero length") } else { Ok(n) }
-}
-
-fn positive(place: &str, field: &'static str, value: f32) -> Result<(), SceneError> {
-    finite(place, field, &[value])?;
-    if value > 0.0 { Ok(()) } else { out_of_range(place, field, value, "a number above 0") }
 }
 
 impl Builder {
@@ -548,52 +478,6 @@ impl Builder {
         }
         self.lights.push(lights::draft(index, light, &self.out.bounds)?);
         Ok(())
-    }
-
-    fn needs(&mut self) {
-        let out = &mut self.out;
-        let mut needs = SceneNeeds {
-            round_shapes: !out.shapes.is_empty(),
-            environment: out.environment != [0.0; 3] || out.environment_map.is_some(),
-            environment_image: out.environment_map.is_some(),
-            light_choice: out.lights.len() > 1,
-            thin_lens: out.camera.is_some_and(|c| c.lens_radius > 0.0),
-            media: self.media_present,
-            grids: self.media_present && !out.grids.is_empty(),
-            unsupported: core::mem::take(&mut self.unsupported),
-            ..SceneNeeds::default()
-        };
-        let mut used = alloc::vec![false; out.materials.len()];
-        for s in &out.surfaces {
-            used[s.material as usize] = true;
-            needs.shading_normals |= s.flags & material_flags::SHADING_NORMALS != 0;
-        }
-        for ((m, draft), _) in out.materials.iter().zip(&self.material_drafts).zip(&used).filter(|e| *e.1) {
-            let has = |flag: u32| m.flags & flag != 0;
-            needs.textures |= m.is_textured();
-            needs.rough |= has(material_flags::ROUGH) && !has(material_flags::PLASTIC);
-            needs.plastic |= has(material_flags::PLASTIC);
-            needs.scattering_films |= has(material_flags::SCATTERS);
-            needs.mirrors |=
-                has(material_flags::MIRROR) || has(material_flags::PLASTIC) && !has(material_flags::ROUGH);
-            needs.glossy |= m.flags & material_flags::GLOSSY != 0;
-            needs.one_sided |= m.flags & material_flags::TWO_SIDED == 0;
-            needs.null_boundaries |= m.flags & material_flags::NULL != 0;
-            needs.refraction |=
-                m.flags & (material_flags::DIELECTRIC | material_flags::THIN) == material_flags::DIELECTRIC;
-            needs.panes |= m.flags & material_flags::THIN != 0;
-            if let Some(kind) = draft.kind.unsupported() {
-                let name = format!("material kind \"{kind}\"");
-                if !needs.unsupported.contains(&name) {
-                    needs.unsupported.push(name);
-                }
-            }
-        }
-        for l in &out.lights {
-            needs.area_lights |= l.primitive != NO_INDEX;
-            needs.point_like_lights |= is_point_like(l);
-        }
-        out.needs = needs;
     }
 }
 

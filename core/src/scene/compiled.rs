@@ -284,6 +284,38 @@ pub struct CompiledScene {
     pub needs: SceneNeeds,
 }
 
+impl Default for CompiledScene {
+    fn default() -> Self {
+        Self {
+            positions: Vec::new(),
+            triangles: Vec::new(),
+            shapes: Vec::new(),
+            surfaces: Vec::new(),
+            texcoords: Vec::new(),
+            normals: Vec::new(),
+            materials: Vec::new(),
+            material_names: Vec::new(),
+            checkers: Vec::new(),
+            coats: Vec::new(),
+            textures: Vec::new(),
+            texels: Vec::new(),
+            srgb_decode: Vec::new(),
+            lights: Vec::new(),
+            light_cumulative: Vec::new(),
+            environment: [0.0; 3],
+            environment_map: None,
+            media: Vec::new(),
+            grids: Vec::new(),
+            grid_values: Vec::new(),
+            camera_medium: 0,
+            camera: None,
+            bounds: Aabb::EMPTY,
+            crossings: BoxTree::default(),
+            needs: SceneNeeds::default(),
+        }
+    }
+}
+
 impl CompiledScene {
     /// The geometry alone, as intersectors want it.
     pub fn primitives(&self) -> Primitives<'_> {

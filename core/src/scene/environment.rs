@@ -1,6 +1,7 @@
 //! Pictures of environments: checked, scaled, and with the distribution of their directions.
 
-use super::compile::{MAX_COUNT, finite, not_negative, out_of_range};
+use super::check::{finite, not_negative, out_of_range};
+use super::compile::MAX_COUNT;
 use super::compiled::{CompiledScene, bounding_sphere};
 use super::desc::EnvironmentImage;
 use super::error::SceneError;

@@ -1,6 +1,7 @@
 //! Grids of media: checked, turned into records, with the largest value of each block beside the values.
 
-use super::compile::{MAX_COUNT, finite, not_negative, out_of_range};
+use super::check::{finite, not_negative, out_of_range};
+use super::compile::MAX_COUNT;
 use super::compiled::{CompiledScene, GridRecord, NO_INDEX};
 use super::desc::{GridDesc, MediumDesc};
 use super::error::SceneError;

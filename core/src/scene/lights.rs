@@ -1,6 +1,6 @@
 //! Collecting lights: their flux, their records, and the integer CDF that picks one.
 
-use super::compile::{finite, not_negative, out_of_range, unit};
+use super::check::{finite, not_negative, out_of_range, unit};
 use super::compiled::{CompiledScene, LightKind, LightRecord, NO_INDEX, bounding_sphere};
 use super::desc::LightDesc;
 use super::error::{Cleanup, CompileReport, SceneError};

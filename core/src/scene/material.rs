@@ -1,6 +1,6 @@
 //! Materials as records: checked, and with their flags.
 
-use super::compile::{finite, not_negative, out_of_range};
+use super::check::{finite, not_negative, out_of_range};
 use super::compiled::{CheckerRecord, CoatRecord, MaterialRecord, NO_INDEX, material_flags};
 use super::desc::{MaterialDesc, MaterialKind, Reflectance, Roughness};
 use super::error::SceneError;

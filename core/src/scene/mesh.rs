@@ -1,6 +1,6 @@
 //! Meshes before they are part of a scene: their arrays checked, repeats found, and their transforms.
 
-use super::compile::{finite, out_of_range};
+use super::check::{finite, out_of_range};
 use super::desc::MeshDesc;
 use super::error::SceneError;
 use crate::math::{self, Vec3};

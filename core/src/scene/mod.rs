@@ -6,6 +6,7 @@
 //! materials only.
 
 mod bitmap;
+mod check;
 mod compile;
 mod compiled;
 mod desc;

@@ -1,5 +1,9 @@
 //! What light transport a scene needs, so that everything else costs it nothing.
 
+use super::compiled::{CompiledScene, MaterialRecord, NO_INDEX, material_flags as flags};
+use super::desc::MaterialDesc;
+use crate::light::emit::is_point_like;
+use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
@@ -52,6 +56,59 @@ pub struct SceneNeeds {
 }
 
 impl SceneNeeds {
+    /// What the parts of a scene need; `materials` are those that `scene.materials` were made of, `unsupported` what else is known to be missing.
+    pub(super) fn of(
+        scene: &CompiledScene,
+        materials: &[MaterialDesc],
+        media: bool,
+        unsupported: Vec<String>,
+    ) -> Self {
+        let mut needs = Self {
+            round_shapes: !scene.shapes.is_empty(),
+            environment: scene.environment != [0.0; 3] || scene.environment_map.is_some(),
+            environment_image: scene.environment_map.is_some(),
+            light_choice: scene.lights.len() > 1,
+            thin_lens: scene.camera.is_some_and(|c| c.lens_radius > 0.0),
+            media,
+            grids: media && !scene.grids.is_empty(),
+            unsupported,
+            ..Self::default()
+        };
+        let mut used = alloc::vec![false; scene.materials.len()];
+        for s in &scene.surfaces {
+            used[s.material as usize] = true;
+            needs.shading_normals |= s.flags & flags::SHADING_NORMALS != 0;
+        }
+        for ((m, desc), _) in scene.materials.iter().zip(materials).zip(&used).filter(|e| *e.1) {
+            needs.add_material(m, desc);
+        }
+        for l in &scene.lights {
+            needs.area_lights |= l.primitive != NO_INDEX;
+            needs.point_like_lights |= is_point_like(l);
+        }
+        needs
+    }
+
+    fn add_material(&mut self, m: &MaterialRecord, desc: &MaterialDesc) {
+        let has = |flag: u32| m.flags & flag != 0;
+        self.textures |= m.is_textured();
+        self.rough |= has(flags::ROUGH) && !has(flags::PLASTIC);
+        self.plastic |= has(flags::PLASTIC);
+        self.scattering_films |= has(flags::SCATTERS);
+        self.mirrors |= has(flags::MIRROR) || has(flags::PLASTIC) && !has(flags::ROUGH);
+        self.glossy |= has(flags::GLOSSY);
+        self.one_sided |= !has(flags::TWO_SIDED);
+        self.null_boundaries |= has(flags::NULL);
+        self.refraction |= has(flags::DIELECTRIC) && !has(flags::THIN);
+        self.panes |= has(flags::THIN);
+        if let Some(kind) = desc.kind.unsupported() {
+            let name = format!("material kind \"{kind}\"");
+            if !self.unsupported.contains(&name) {
+                self.unsupported.push(name);
+            }
+        }
+    }
+
     /// Something beyond two-sided diffuse surfaces has to be evaluated at a hit.
     pub fn lobes(&self) -> bool {
         self.mirrors
