@@ -54,6 +54,14 @@ impl Interface {
         matches!(self, Self::Dielectric { ratio, .. } if ratio.x != ratio.y || ratio.x != ratio.z)
     }
 
+    /// What passes straight on, and the chance of [`Self::pass`] to choose that; `None` where light is refracted or does not pass.
+    #[inline(always)]
+    pub fn straight(&self) -> Option<(Vec3, f32)> {
+        let Self::Pane { reflect, transmit } = *self else { return None };
+        let (r, t) = (math::mean(reflect), math::mean(transmit));
+        Some((transmit, if t > 0.0 { t / (r + t) } else { 0.0 }))
+    }
+
     /// Chooses between reflecting and passing, in proportion to what either carries; `n` on the side of `wo`, u in [0, 1). `channel`: the one whose refraction counts (0 to 2).
     /// `None` where all is absorbed.
     ///

@@ -83,6 +83,14 @@ pub(super) fn roulette(throughput: Vec3, weight: Vec3, depth: u32, survive: f32)
     (survive < q).then(|| after / q)
 }
 
+/// What a path or walk carries from where its colours part: one of them, which stands for all three.
+#[inline]
+pub(super) fn one_colour(carried: Vec3, channel: usize) -> Vec3 {
+    let mut kept = Vec3::ZERO;
+    kept[channel] = 3.0 * carried[channel];
+    kept
+}
+
 /// Sum of samples in their order, and of their rays.
 #[derive(Default)]
 pub(super) struct BlockSum {

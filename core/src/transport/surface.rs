@@ -1,6 +1,7 @@
 //! What a ray finds at a hit: point, normals, lobes, emission.
 
 use super::gather::ProbePlace;
+use super::volume::lead;
 use crate::bsdf::plastic::{Coat, CoatTable};
 use crate::bsdf::{Boundary, Finish, Interface, Lobes, Metal, fresnel};
 use crate::geometry::{
@@ -157,6 +158,12 @@ impl Surface {
             let ratio = if self.from_front { ior } else { Vec3::ONE / ior };
             Interface::Dielectric { ratio, schlick }
         };
+    }
+
+    /// What lies between the surface and the start of a ray that leaves it \[m\].
+    #[inline(always)]
+    pub(in crate::transport) fn lead(&self, origin: Vec3, direction: Vec3) -> f32 {
+        lead((self.point.position, self.geometric), origin, direction)
     }
 
     /// Start of a ray into direction `wi`.

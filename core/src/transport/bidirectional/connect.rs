@@ -1,19 +1,17 @@
 //! Vertices of the two walks joined: what a joint brings, and whether the way is free.
 
 use super::emitters;
-use super::vertex::{From, Vertex, lead};
+use super::vertex::{From, Vertex};
 use super::weight::{Chain, End, Links, weigh};
 use super::{Bidirectional, CHANCE_GROUPS, GROUPS, LIGHT_GROUPS, Phase, State};
-use crate::bsdf::Interface;
-use crate::geometry::{Ray, SurfacePoint, offset_origin, segment};
+use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin, segment};
 use crate::light::LightSample;
 use crate::math::{self, Vec3};
-use crate::medium::{Inside, Medium};
-use crate::scene::{LightRecord, material_flags};
+use crate::scene::LightRecord;
 use crate::sensor::Camera;
-use crate::transport::back::NO_RAY;
-use crate::transport::volume::{CROSSINGS_MAX, boundaries::resolve, with_unit_direction};
-use crate::transport::{Answer, Query, surface_at};
+use crate::transport::volume::way::{Followed, Way};
+use crate::transport::volume::with_unit_direction;
+use crate::transport::{Answer, Query};
 
 /// What would bring less than this part of what the sample has brought so far is joined by chance.
 const SMALL: f32 = 0.05;
@@ -30,17 +28,11 @@ pub(super) struct Weighed {
 /// A straight way between two vertices, or to a light or the camera.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Connection {
-    ray: Ray,
-    /// What lies between the surface that the ray leaves and where it starts, and from that surface to the end \[m\].
-    lead: f32,
-    left: f32,
-    inside: Inside,
+    way: Way,
     /// What it brings if the rest of the way is free and clear, unweighted.
     carried: Vec3,
     /// Mean chance over the channels to fly this far.
     pass: f32,
-    /// Boundaries on the way so far.
-    crossed: u32,
     ends: [Option<Weighed>; 2],
     /// Where it lands, if not in the sample's own pixel.
     pixel: Option<[u32; 2]>,
@@ -57,17 +49,7 @@ enum Joined<'a> {
 
 impl Connection {
     pub(super) fn nothing() -> Self {
-        Self {
-            ray: NO_RAY,
-            lead: 0.0,
-            left: 0.0,
-            inside: Inside::NOTHING,
-            carried: Vec3::ZERO,
-            pass: 1.0,
-            crossed: 0,
-            ends: [None; 2],
-            pixel: None,
-        }
+        Self { way: Way::NOTHING, carried: Vec3::ZERO, pass: 1.0, ends: [None; 2], pixel: None }
     }
 }
 
@@ -297,11 +279,9 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
             Joined::Eye => &state.vertex,
             Joined::Light(vertex, _) => vertex,
         };
+        let lead = from.lead(ray.origin, ray.direction);
         state.connection = Connection {
-            ray,
-            lead: from.lead(ray.origin, ray.direction),
-            left: distance,
-            inside: from.media(ray.direction),
+            way: Way { ray, lead, left: distance, inside: from.media(ray.direction), crossed: 0 },
             carried,
             ends,
             pixel,
@@ -340,47 +320,20 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
 
     /// The next part of a joint through media and boundaries; `None` where it is at its end.
     #[inline]
-    fn join_on(&self, state: &mut State, hit: Option<crate::geometry::Hit>) -> Option<Query> {
-        let Connection { ray, lead: before, left, inside, crossed, .. } = state.connection;
-        let length = hit.map_or(left, |h| before + h.t);
-        if let Some(medium) = inside.current(self.scene).map(|m| Medium::new(self.scene, m)) {
-            let through = medium.transmittance(&ray, before, length);
-            state.connection.carried *= through;
-            state.connection.pass *= math::mean(through);
+    fn join_on(&self, state: &mut State, hit: Option<Hit>) -> Option<Query> {
+        let Connection { way, carried, pass, .. } = &mut state.connection;
+        let followed = way.follow::<LOBES, DETAIL, DETAIL>(self.scene, hit, |through, chance| {
+            *carried *= through;
+            *pass *= chance;
+        });
+        match followed {
+            Followed::Part if *carried != Vec3::ZERO => return Some(Query::Closest(way.ray)),
+            Followed::Whole => {
+                let weight = self.weight(&state.links, &state.connection.ends, state.connection.pass);
+                self.arrived(state, weight);
+            }
+            _ => {}
         }
-        let Some(hit) = hit else {
-            let weight = self.weight(&state.links, &state.connection.ends, state.connection.pass);
-            self.arrived(state, weight);
-            return None;
-        };
-        let passes = |hit: &crate::geometry::Hit| self.flags(hit) & material_flags::PASSES != 0;
-        if state.connection.carried == Vec3::ZERO || !passes(&hit) || crossed >= CROSSINGS_MAX {
-            return None;
-        }
-        let (hit, beyond) = resolve(self.scene, &ray, hit, inside);
-        if !passes(&hit) {
-            return None;
-        }
-        let surface = surface_at::<LOBES, DETAIL, DETAIL>(self.scene, &ray, &hit)?;
-        if let Interface::Pane { reflect, transmit } = surface.interface {
-            let (r, t) = (math::mean(reflect), math::mean(transmit));
-            state.connection.carried *= transmit;
-            state.connection.pass *= if t > 0.0 { t / (r + t) } else { 0.0 };
-        }
-        let origin = surface.leave(ray.direction);
-        // The way ends where it ended before.
-        let t_max = if ray.t_max < f32::MAX {
-            ray.t_max - (origin - ray.origin).dot(ray.direction)
-        } else {
-            ray.t_max
-        };
-        let next = Ray { origin, t_max, ..ray };
-        let connection = &mut state.connection;
-        connection.ray = next;
-        connection.lead = lead((surface.point.position, surface.geometric), origin, ray.direction);
-        connection.left = math::max(left - length, 0.0);
-        connection.inside = beyond;
-        connection.crossed = crossed + 1;
-        Some(Query::Closest(next))
+        None
     }
 }

@@ -66,6 +66,20 @@ pub(super) fn preference(light: &LightRecord, pdf: f32, facing: f32) -> f32 {
     if light.kind == LightKind::Sphere as u32 { pdf * facing / pdf_place(light) } else { 1.0 }
 }
 
+/// The same for a place on the light seen from `p`.
+#[inline]
+pub(super) fn preference_at(light: &LightRecord, p: Vec3, place: Vec3) -> f32 {
+    if light.kind != LightKind::Sphere as u32 {
+        return 1.0;
+    }
+    let to = place - p;
+    let d2 = to.length_squared();
+    let wi = math::normalize_or(to, Vec3::ZERO);
+    let normal = math::normalize_or(place - Vec3::from_array(light.point), Vec3::ZERO);
+    let pdf = light::pdf_solid_angle(light, p, wi, math::sqrt(d2), normal);
+    preference(light, pdf, math::abs(wi.dot(normal)) / d2)
+}
+
 impl Emitters {
     /// Of a scene; `outside`: the media around it.
     pub(super) fn new<I: Intersector + ?Sized>(

@@ -21,11 +21,10 @@ pub use weight::{CUTOFF, Heuristic, VERTICES_MAX};
 
 use super::back::{BlockSum, NO_RAY, camera_ray, white_surface};
 use super::paths::ProbeStart;
-use super::volume::Surroundings;
+use super::volume::{Surroundings, lead};
 use super::{Answer, Query, ask};
 use crate::geometry::{Hit, Intersector};
-use crate::light::{self};
-use crate::math::{self, PI, Vec3};
+use crate::math::{PI, Vec3};
 use crate::medium::Inside;
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, NO_INDEX};
@@ -58,11 +57,6 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// All strategies by the power heuristic.
-    pub fn new(max_depth: u32) -> Self {
-        Self { max_depth, heuristic: Heuristic::Power, only: None }
-    }
-
     /// Weights are by lists of all strategies.
     #[inline]
     fn lists(&self) -> bool {
@@ -273,7 +267,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
             (true, true) => 1.0,
         };
         if VOLUME && start.normal != Vec3::ZERO {
-            walk.lead = vertex::lead((start.position, start.normal), start.ray.origin, start.ray.direction);
+            walk.lead = lead((start.position, start.normal), start.ray.origin, start.ray.direction);
         }
         walk
     }
@@ -312,8 +306,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
             Step::Over | Step::Away => self.turn_to_sensor(state),
             Step::At(mut vertex) => {
                 if first {
-                    // Spheres: what is seen from the vertex is sampled there, and the whole sphere here.
-                    vertex.chain.open *= self.preference_of_start(state, &vertex);
+                    let light = &self.scene.lights[state.walk.light as usize];
+                    vertex.chain.open *= emitters::preference_at(light, vertex.position(), state.walk.origin);
                 }
                 let query = self.splat(state, &vertex);
                 if !self.scatter(&mut state.walk, &vertex, &state.sampler, &mut state.links[0]) {
@@ -364,6 +358,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
             }
         }
     }
+
     /// Joins the sensor's last vertex, and goes on from it.
     #[inline]
     fn visit(&self, state: &mut State) -> Query {
@@ -414,7 +409,7 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         match seen {
             Seen::Glow(radiance) if self.settings.uses(0, t) => walk.carried * *radiance,
             Seen::Glow(_) => Vec3::ZERO,
-            Seen::Surface(surface, chain, distance) => {
+            Seen::Surface(surface, chain) => {
                 if surface.light == NO_INDEX || !surface.from_front || !self.settings.uses(0, t) {
                     return Vec3::ZERO;
                 }
@@ -425,16 +420,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
                 }
                 let mut chain = **chain;
                 let direct = walk.index == 0 && !probe;
-                chain.open *= if direct {
-                    0.0
-                } else if light.kind == crate::scene::LightKind::Sphere as u32 {
-                    let d = *distance;
-                    let pdf =
-                        light::pdf_solid_angle(light, walk.origin, walk.ray.direction, d, surface.front);
-                    emitters::preference(light, pdf, surface.wo.dot(surface.front) / (d * d))
-                } else {
-                    1.0
-                };
+                let place = surface.point.position;
+                chain.open *= if direct { 0.0 } else { emitters::preference_at(light, walk.origin, place) };
                 let end = End {
                     chain: &chain,
                     forward: emitters::pdf_place(light),
@@ -447,22 +434,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectiona
         }
     }
 
-    /// See [`Chain::open`].
-    fn preference_of_start(&self, state: &State, vertex: &Vertex) -> f32 {
-        let walk = &state.walk;
-        let Some(light) = self.scene.lights.get(walk.light as usize) else { return 1.0 };
-        if light.kind != crate::scene::LightKind::Sphere as u32 {
-            return 1.0;
-        }
-        let to = walk.origin - vertex.position();
-        let d2 = to.length_squared();
-        let normal = math::normalize_or(walk.origin - Vec3::from_array(light.point), Vec3::ZERO);
-        let pdf = light::pdf_solid_angle(light, vertex.position(), vertex.wo, math::sqrt(d2), normal);
-        emitters::preference(light, pdf, math::abs(vertex.wo.dot(normal)) / d2)
-    }
-
-    // Never inlined: images and probes share it, with the walks through the tree that it holds.
     /// Runs a sample to its end; returns what it measures and the number of rays it took. `splat` takes what lands in other pixels.
+    // Images and probes share it, with the walks through the tree that it holds.
     #[inline(never)]
     pub fn run<I: Intersector + ?Sized>(
         &self,

@@ -209,10 +209,7 @@ impl Path<'_> {
             let facing = place.facing(wo) as f32;
             let mut chain = walk.link(&self.tracer, place.at, facing);
             if from == From::Light && i == 0 {
-                let d2 = (self.places[0].at - place.at).length_squared();
-                let pdf = self.direct_pdf(place.at);
-                let facing = self.places[0].normal.dot(wo).abs() / d2;
-                chain.open *= super::emitters::preference(self.record(), pdf, facing);
+                chain.open *= super::emitters::preference_at(self.record(), place.at, self.places[0].at);
             }
             let vertex = Vertex {
                 point: SurfacePoint { position: place.at, extent: 0.0 },
@@ -270,9 +267,8 @@ impl Path<'_> {
                         light: self.light as u32,
                         from_front: true,
                     };
-                    let distance = (self.places[0].at - self.places[1].at).length();
                     let walk = Walk { carried: Vec3::ONE, ..*walk };
-                    let seen = Seen::Surface(&surface, &vertex.chain, distance);
+                    let seen = Seen::Surface(&surface, &vertex.chain);
                     Some(self.tracer.seen(&walk, &seen, false, &links[1]).x / self.record().radiance[0])
                 }
                 1 if t >= 2 && joins(1) => {

@@ -6,6 +6,7 @@ use crate::geometry::{SurfacePoint, offset_origin};
 use crate::math::{self, PI, Vec3};
 use crate::medium::{Inside, phase};
 use crate::transport::Surface;
+use crate::transport::volume::lead;
 
 const FRAC_1_PI: f32 = 1.0 / PI;
 
@@ -197,6 +198,17 @@ impl Vertex {
         }
     }
 
+    /// What radiance is divided by where the sensor's walk goes on to `wi` in another medium, which the index squeezes; importance keeps its measure.
+    #[inline]
+    pub(super) fn index_ratio_squared(&self, from: From, wi: Vec3) -> f32 {
+        match &self.scatterer {
+            Scatterer::Surface { lobes, shading, .. } if from == From::Sensor => {
+                lobes.index_ratio_squared(*shading, self.wo, wi)
+            }
+            _ => 1.0,
+        }
+    }
+
     /// Start of a ray into a direction.
     #[inline]
     pub(super) fn leave(&self, wi: Vec3) -> Vec3 {
@@ -223,11 +235,4 @@ impl Vertex {
             _ => self.inside,
         }
     }
-}
-
-/// Length of way through the step that a ray takes off a surface \[m\]; see [`crate::transport::volume`].
-#[inline]
-pub(super) fn lead((position, normal): (Vec3, Vec3), origin: Vec3, direction: Vec3) -> f32 {
-    let step = math::sqrt((origin - position).length_squared());
-    step / math::max(math::abs(direction.dot(normal)), 0.1)
 }

@@ -1,6 +1,6 @@
 //! One walk, from a light or from the sensor: flights, boundaries that are passed straight, and the vertices between.
 
-use super::vertex::{From, Scatterer, Vertex, lead};
+use super::vertex::{From, Scatterer, Vertex};
 use super::weight::{Chain, Links, VERTICES_MAX};
 use super::{Bidirectional, GROUPS};
 use crate::bsdf::Interface;
@@ -9,7 +9,7 @@ use crate::math::{self, Vec3};
 use crate::medium::{Inside, Medium};
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::material_flags;
-use crate::transport::back::{NO_RAY, roulette};
+use crate::transport::back::{NO_RAY, one_colour, roulette};
 use crate::transport::volume::{CROSSINGS_MAX, boundaries::resolve};
 use crate::transport::{Surface, surface_at};
 
@@ -36,8 +36,7 @@ pub(super) struct Walk {
     pub light: u32,
     /// The last vertex is at infinity.
     pub distant: bool,
-    /// Way from the last vertex to where the ray starts, without what lies within the step off a surface, and that \[m\].
-    pub flown: f32,
+    /// What lies between the surface that the ray leaves and where it starts \[m\].
     pub lead: f32,
     /// Mean chance over the channels to have come here from the last vertex.
     pub pass: f32,
@@ -77,7 +76,6 @@ impl Walk {
             facing: 0.0,
             light: 0,
             distant: false,
-            flown: 0.0,
             lead: 0.0,
             pass: 1.0,
             crossed: 0,
@@ -153,12 +151,12 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
             return Step::Over;
         };
         if VOLUME && self.flags(&hit) & material_flags::NULL != 0 {
-            return pass(walk, &surface, (hit.t, beyond));
+            return pass(walk, &surface, beyond);
         }
         let chain = walk.link(self, surface.point.position, math::abs(surface.wo.dot(surface.geometric)));
-        seen(walk, Seen::Surface(&surface, &chain, walk.flown + hit.t), links);
+        seen(walk, Seen::Surface(&surface, &chain), links);
         if VOLUME && LOBES && surface.interface != Interface::Opaque {
-            return self.meet_interface(walk, &surface, chain, (hit.t, beyond), sampler, channel, links);
+            return self.meet_interface(walk, &surface, chain, beyond, sampler, channel, links);
         }
         if VOLUME && LOBES && surface.lobes.disperses() {
             walk.choose(channel);
@@ -208,9 +206,12 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
             return false;
         }
         let Some((s, left)) = vertex.sample::<LOBES, DETAIL>(walk.from, [u, v], lobe) else { return false };
-        let absorbed = if s.wi.dot(vertex.normal()) < 0.0 && left.is_none() { Vec3::ONE } else { s.weight };
-        let Some(carried) = roulette(vertex.carried, absorbed, vertex.edges, survive) else { return false };
-        walk.carried = if absorbed == s.weight { carried } else { carried * s.weight };
+        // The roulette is about what is absorbed: the squared index comes back when light leaves.
+        let squared = if LOBES { vertex.index_ratio_squared(walk.from, s.wi) } else { 1.0 };
+        let Some(carried) = roulette(vertex.carried, s.weight * squared, vertex.edges, survive) else {
+            return false;
+        };
+        walk.carried = if LOBES { carried / squared } else { carried };
         if self.settings.lists() {
             links.leave(vertex.index as usize, &vertex.chain, left);
         }
@@ -232,7 +233,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         walk: &mut Walk,
         surface: &Surface,
         chain: Chain,
-        behind: (f32, Inside),
+        beyond: Inside,
         sampler: &BlockSampler,
         channel: usize,
         links: &mut Links,
@@ -249,12 +250,11 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         }
         let mut weight = passage.weight;
         if passage.through
-            && let Interface::Pane { reflect, transmit } = surface.interface
+            && let Some((_, chance)) = surface.interface.straight()
         {
             walk.carried *= weight;
-            let (r, t) = (math::mean(reflect), math::mean(transmit));
-            walk.pass *= t / (r + t);
-            return if walk.carried == Vec3::ZERO { Step::Over } else { pass(walk, surface, behind) };
+            walk.pass *= chance;
+            return if walk.carried == Vec3::ZERO { Step::Over } else { pass(walk, surface, beyond) };
         }
         walk.event += 1;
         let room = if walk.from == From::Light { 2 } else { 1 };
@@ -279,14 +279,14 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         let Some(carried) = roulette(walk.carried, absorbed, walk.edges, survive) else { return Step::Over };
         walk.carried = if passage.through { carried * weight } else { carried };
         if passage.through {
-            walk.inside = behind.1;
+            walk.inside = beyond;
         }
         if self.settings.lists() {
             links.leave(walk.index as usize + 1, &chain, None);
         }
         walk.origin = surface.point.position;
         walk.ray = Ray { origin: surface.leave(passage.wi), direction: passage.wi, t_max: f32::MAX };
-        walk.lead = lead((walk.origin, surface.geometric), walk.ray.origin, passage.wi);
+        walk.lead = surface.lead(walk.ray.origin, passage.wi);
         walk.leave((walk.index + 1, &chain), None, math::abs(passage.wi.dot(surface.geometric)));
         Step::On
     }
@@ -296,27 +296,24 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
 pub(super) enum Seen<'a> {
     /// Radiance of a medium along the ray.
     Glow(Vec3),
-    /// A surface, how likely the walk is to have come to it, and how far away it is \[m\].
-    Surface(&'a Surface, &'a Chain, f32),
+    /// A surface, and how likely the walk is to have come to it.
+    Surface(&'a Surface, &'a Chain),
 }
 
 impl Walk {
     /// From here on the walk is of one colour, which stands for all three.
     fn choose(&mut self, channel: usize) {
-        if self.coloured {
-            return;
+        if !self.coloured {
+            self.coloured = true;
+            self.carried = one_colour(self.carried, channel);
         }
-        self.coloured = true;
-        let kept = 3.0 * self.carried[channel];
-        self.carried = Vec3::ZERO;
-        self.carried[channel] = kept;
     }
 
     /// Leaves a vertex.
     #[inline]
     pub(super) fn leave(&mut self, (index, chain): (u32, &Chain), left: Option<[f32; 2]>, facing: f32) {
         (self.index, self.chain, self.left, self.facing) = (index, *chain, left, facing);
-        (self.flown, self.pass, self.crossed, self.distant) = (0.0, 1.0, 0, false);
+        (self.pass, self.crossed, self.distant) = (1.0, 0, false);
         self.edges += 1;
     }
 
@@ -329,15 +326,14 @@ impl Walk {
 
 /// Straight on, beyond a boundary: the same edge, and a direction of the same density.
 #[inline]
-fn pass(walk: &mut Walk, surface: &Surface, (t, beyond): (f32, Inside)) -> Step {
+fn pass(walk: &mut Walk, surface: &Surface, beyond: Inside) -> Step {
     walk.inside = beyond;
-    walk.flown += t;
     walk.event += 1;
     walk.crossed += 1;
     if walk.crossed > CROSSINGS_MAX {
         return Step::Over;
     }
     walk.ray.origin = surface.leave(walk.ray.direction);
-    walk.lead = lead((surface.point.position, surface.geometric), walk.ray.origin, walk.ray.direction);
+    walk.lead = surface.lead(walk.ray.origin, walk.ray.direction);
     Step::On
 }

@@ -8,11 +8,14 @@
 mod airlight;
 pub(super) mod boundaries;
 mod vertex;
+pub(super) mod way;
 
 pub use airlight::{Airlight, NODES_MAX, Rule, SingleScatter, has_airlight};
+pub(super) use way::lead;
+
 pub use boundaries::{Surroundings, inside_at, probe_starts};
 
-use super::back::{NO_RAY, camera_ray, emission, roulette, white_surface};
+use super::back::{NO_RAY, camera_ray, emission, one_colour, roulette, white_surface};
 use super::paths::{Paths, ProbeStart};
 use super::{Answer, Query, Surface, mis, surface_at};
 use crate::bsdf::{BsdfSample, Interface};
@@ -23,7 +26,8 @@ use crate::medium::{Inside, Medium};
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, material_flags};
 use boundaries::resolve;
-use vertex::{Vertex, lead};
+use vertex::Vertex;
+use way::{Followed, Way};
 
 /// Groups of sample dimensions of an event (a scattering, or a boundary that is crossed): the flight, the light, the direction.
 const GROUPS: u32 = 3;
@@ -81,15 +85,9 @@ pub struct VolumeState {
 /// A straight way to a light.
 #[derive(Clone, Copy, Debug)]
 struct Connection {
-    ray: Ray,
-    /// What lies between the surface that the ray leaves and where it starts, and from that surface to the light \[m\].
-    lead: f32,
-    left: f32,
-    inside: Inside,
+    way: Way,
     /// What it brings if the rest of the way is free and clear.
     carried: Vec3,
-    /// Boundaries on the way so far.
-    crossed: u32,
 }
 
 /// The same way, its parameter in metres.
@@ -174,7 +172,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             return Query::Done;
         }
         state.ray.origin = surface.leave(state.ray.direction);
-        state.lead = lead(surface, state.ray.origin, state.ray.direction);
+        state.lead = surface.lead(state.ray.origin, state.ray.direction);
         Query::Closest(state.ray)
     }
 
@@ -216,7 +214,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         }
         state.pdf = 0.0;
         state.vertex = surface.leave(passage.wi);
-        state.lead = lead(surface, state.vertex, passage.wi);
+        state.lead = surface.lead(state.vertex, passage.wi);
         (state.flown, state.crossed) = (0.0, 0);
         state.event += 1;
         state.next = Ray { origin: state.vertex, direction: passage.wi, t_max: f32::MAX };
@@ -267,7 +265,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             Some(connection) => {
                 state.connection = connection;
                 state.connecting = true;
-                Query::Closest(connection.ray)
+                Query::Closest(connection.way.ray)
             }
             None => state.follow(),
         }
@@ -299,47 +297,13 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     /// A connection has reached a surface, or its end.
     #[inline(always)]
     fn connect(&self, state: &mut VolumeState, hit: Option<Hit>) -> Query {
-        let Connection { ray, lead: before, left, inside, carried, crossed } = state.connection;
-        let length = hit.map_or(left, |h| before + h.t);
-        let mut carried = carried;
-        if let Some(medium) = inside.current(self.scene).map(|m| Medium::new(self.scene, m)) {
-            carried *= medium.transmittance(&ray, before, length);
+        let Connection { way, carried } = &mut state.connection;
+        match way.follow::<LOBES, TEXTURES, SHADING>(self.scene, hit, |through, _| *carried *= through) {
+            Followed::Part if *carried != Vec3::ZERO => return Query::Closest(way.ray),
+            Followed::Whole => state.radiance += *carried,
+            _ => {}
         }
-        let Some(hit) = hit else {
-            state.radiance += carried;
-            return state.follow();
-        };
-        if carried == Vec3::ZERO || self.flags(&hit) & material_flags::PASSES == 0 || crossed >= CROSSINGS_MAX
-        {
-            return state.follow();
-        }
-        let (hit, beyond) = resolve(self.scene, &ray, hit, inside);
-        if self.flags(&hit) & material_flags::PASSES == 0 {
-            return state.follow();
-        }
-        let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &ray, &hit) else {
-            return state.follow();
-        };
-        if let Interface::Pane { transmit, .. } = surface.interface {
-            carried *= transmit;
-        }
-        let origin = surface.leave(ray.direction);
-        // The way ends where it ended before.
-        let t_max = if ray.t_max < f32::MAX {
-            ray.t_max - (origin - ray.origin).dot(ray.direction)
-        } else {
-            ray.t_max
-        };
-        let ray = Ray { origin, t_max, ..ray };
-        state.connection = Connection {
-            ray,
-            lead: lead(&surface, origin, ray.direction),
-            left: math::max(left - length, 0.0),
-            inside: beyond,
-            carried,
-            crossed: crossed + 1,
-        };
-        Query::Closest(ray)
+        state.follow()
     }
 }
 
@@ -400,14 +364,7 @@ impl VolumeState {
             next: NO_RAY,
             ray: NO_RAY,
             inside,
-            connection: Connection {
-                ray: NO_RAY,
-                lead: 0.0,
-                left: 0.0,
-                inside: Inside::NOTHING,
-                carried: Vec3::ZERO,
-                crossed: 0,
-            },
+            connection: Connection { way: Way::NOTHING, carried: Vec3::ZERO },
             crossed: 0,
             connecting: false,
             pdf: 0.0,
@@ -428,9 +385,7 @@ impl VolumeState {
         }
         let chosen = ((3.0 * u) as usize).min(2);
         self.channel = Some(chosen as u8);
-        let kept = 3.0 * self.throughput[chosen];
-        self.throughput = Vec3::ZERO;
-        self.throughput[chosen] = kept;
+        self.throughput = one_colour(self.throughput, chosen);
     }
 
     #[inline(always)]

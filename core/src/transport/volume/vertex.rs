@@ -1,5 +1,6 @@
 //! A place where light is scattered: on a surface or in a medium.
 
+use super::way::Way;
 use super::{Connection, with_unit_direction};
 use crate::bsdf::BsdfSample;
 use crate::geometry::{Ray, SurfacePoint};
@@ -7,13 +8,6 @@ use crate::light::{self, LightSample};
 use crate::math::{self, Vec3};
 use crate::medium::{Inside, phase};
 use crate::transport::Surface;
-
-/// Length of way through the step that a ray takes off a surface \[m\]: a medium is there too. At grazing directions, below a cosine of a tenth, it is less than that.
-#[inline(always)]
-pub(super) fn lead(surface: &Surface, origin: Vec3, direction: Vec3) -> f32 {
-    let step = math::sqrt((origin - surface.point.position).length_squared());
-    step / math::max(math::abs(direction.dot(surface.geometric)), 0.1)
-}
 
 /// Where light is scattered.
 pub(super) enum Vertex<'a> {
@@ -107,7 +101,7 @@ impl Vertex<'_> {
     #[inline(always)]
     pub(super) fn lead(&self, origin: Vec3, wi: Vec3) -> f32 {
         match self {
-            Self::Surface(s, _) => lead(s, origin, wi),
+            Self::Surface(s, _) => s.lead(origin, wi),
             Self::Medium { .. } => 0.0,
         }
     }
@@ -134,7 +128,7 @@ impl Vertex<'_> {
             math::sqrt((sample.point - self.position()).length_squared())
         };
         let lead = self.lead(ray.origin, ray.direction);
-        Connection { ray, lead, left, inside, carried, crossed: 0 }
+        Connection { way: Way { ray, lead, left, inside, crossed: 0 }, carried }
     }
 
     /// Light sampling can contribute.

@@ -12,9 +12,8 @@ mod rule;
 pub use rule::{NODES_MAX, Rule, SingleScatter};
 
 use super::boundaries::resolve;
-use super::vertex::{Vertex, lead};
+use super::vertex::Vertex;
 use super::{CROSSINGS_MAX, VolumeState, VolumeTracer};
-use crate::bsdf::Interface;
 use crate::geometry::{Hit, Ray};
 use crate::light::{self, emit::is_point_like};
 use crate::math::{self, Vec3};
@@ -147,12 +146,12 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             if let Some(medium) = walk.inside.current(scene).map(|m| Medium::new(scene, m)) {
                 left *= medium.transmittance(&ray, walk.lead, length);
             }
-            if let Interface::Pane { transmit, .. } = surface.interface {
+            if let Some((transmit, _)) = surface.interface.straight() {
                 left *= transmit;
             }
             if left != Vec3::ZERO {
                 let origin = surface.leave(ray.direction);
-                let lead = lead(&surface, origin, ray.direction);
+                let lead = surface.lead(origin, ray.direction);
                 state.beyond = Some(Beyond { origin, lead, inside, left });
             }
         }
@@ -171,7 +170,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
                     state.node += 1;
                     if self.aim(state, &medium, &segment, light) {
                         state.stage = Stage::Node;
-                        return Query::Closest(state.walk.connection.ray);
+                        return Query::Closest(state.walk.connection.way.ray);
                     }
                 }
                 state.light += 1;
