@@ -82,16 +82,28 @@ pub fn serial_blocks(
     mut mean: impl FnMut(u32, u32) -> ([f64; 3], u64),
 ) -> Result<JobStats, BackendError> {
     let elements = film.len() as u32;
+    serial_rows(job, control, film, |block| (0..elements).map(|element| mean(element, block)).collect())
+}
+
+/// The same where a block's means are known all at once: `row(block)` gives them with their rays.
+///
+/// # Errors
+/// As [`serial_blocks`].
+pub fn serial_rows(
+    job: &PathJob,
+    control: &dyn Control,
+    film: &mut Film,
+    mut row: impl FnMut(u32) -> Vec<([f64; 3], u64)>,
+) -> Result<JobStats, BackendError> {
     let mut part = Film::new(*film.settings());
     let mut stats = JobStats::default();
     let total = u64::from(job.blocks.end - job.blocks.start);
     for block in job.blocks.clone() {
-        let mut means = Vec::with_capacity(elements as usize);
-        for element in 0..elements {
-            let (m, rays) = mean(element, block);
-            means.push(m);
-            stats += JobStats { rays, paths: u64::from(job.block_length), hits: 0 };
+        let row = row(block);
+        for (_, rays) in &row {
+            stats += JobStats { rays: *rays, paths: u64::from(job.block_length), hits: 0 };
         }
+        let means: Vec<_> = row.iter().map(|(mean, _)| *mean).collect();
         part.add_blocks(block..block + 1, &means)?;
         if control.advance(u64::from(block - job.blocks.start) + 1, total).is_break() {
             return Err(BackendError::Cancelled);
@@ -167,25 +179,24 @@ impl Session for ReferenceSession {
         let unit = SplatUnit::new(expected.scale_exponent);
         let mut state = State::default();
         with_bidirectional!(self.scene, code, (&*self.scene, &tree, job.settings(), surroundings), |tracer| {
-            let mut splats = vec![[0_i64; 3]; film.len()];
-            let names = |block: u32| (path.seed, block, path.block_length);
-            // A block is not known before all of its samples are: they run first, and their means wait.
-            let mut means = Vec::new();
-            serial_blocks(path, control, film, |element, block| {
-                if element == 0 {
-                    splats.fill([0; 3]);
-                    means.clear();
-                    for e in 0..expected.width * expected.height {
+            let elements = expected.width * expected.height;
+            // What lands in a pixel is known when all samples of the block are.
+            serial_rows(path, control, film, |block| {
+                let mut splats = vec![[0_i64; 3]; elements as usize];
+                let mut row: Vec<_> = (0..elements)
+                    .map(|e| {
                         let splat = |[x, y]: [u32; 2], value| {
                             unit.add(&mut splats[(y * width + x) as usize], value);
                         };
-                        let pixel = [e % width, e / width];
-                        means.push(tracer.pixel_block(&mut state, &tree, pixel, names(block), splat));
-                    }
+                        let names = (path.seed, block, path.block_length);
+                        tracer.pixel_block(&mut state, &tree, [e % width, e / width], names, splat)
+                    })
+                    .collect();
+                for ((mean, _), landed) in row.iter_mut().zip(&splats) {
+                    let landed = unit.mean(landed, path.block_length);
+                    *mean = [0, 1, 2].map(|c| mean[c] + landed[c]);
                 }
-                let (mean, rays) = means[element as usize];
-                let landed = unit.mean(&splats[element as usize], path.block_length);
-                ([0, 1, 2].map(|c| mean[c] + landed[c]), rays)
+                row
             })
         })
     }

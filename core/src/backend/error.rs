@@ -55,7 +55,7 @@ pub enum BackendError {
         /// What is wrong.
         reason: &'static str,
     },
-    /// Slices passed to [`Backend::map`] do not fit the kernel.
+    /// Slices passed to [`map`](super::Backend::map) do not fit the kernel.
     WrongLength {
         /// The kernel's name.
         kernel: &'static str,

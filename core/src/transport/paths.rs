@@ -98,7 +98,7 @@ macro_rules! with_tracer {
         use $crate::transport::{path::PathTracer, volume::VolumeTracer};
         let code: $crate::transport::TransportCode = $code;
         if $scene.needs.volume() {
-            // Two instances: flights and boundaries cost more than what lobes, bitmaps and normals would save.
+            // Two instances: all that scenes with media need beside diffuse surfaces of one colour is in one.
             if code.lobes || code.textures || code.shading_normals {
                 let $tracer = VolumeTracer::<true, true, true>::new($scene, $max_depth, $camera);
                 $body

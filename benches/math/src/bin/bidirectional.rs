@@ -162,30 +162,50 @@ fn words(gain: f64) -> String {
 }
 
 /// CPU seconds of the same job by code with more than the scene needs.
-fn needs(compiled: &Arc<CompiledScene>) -> String {
-    let mut wide = (**compiled).clone();
-    wide.needs.media = true;
-    let wide = Arc::new(wide);
-    let sessions = [
-        ("what it needs: diffuse surfaces", open(compiled, 1)),
-        ("lobes, bitmaps and interpolated normals too", open(compiled, 1).with_code(TransportCode::FULL)),
-        ("media and boundaries too", open(&wide, 1)),
-        ("all of it", open(&wide, 1).with_code(TransportCode::FULL)),
-    ];
+fn needs(sessions: &[(&str, CpuSession)], method: Method) -> String {
     let mut times = vec![Vec::new(); sessions.len()];
     for turn in 0..5 {
-        for (times, (_, session)) in times.iter_mut().zip(&sessions) {
-            times.push(render(session, Method::Both(Heuristic::Power), turn, 32, u32::MAX).1);
+        for (times, (_, session)) in times.iter_mut().zip(sessions) {
+            times.push(render(session, method, turn, 32, u32::MAX).1);
         }
     }
     let mut out = String::from("\n| code for | CPU s | ratio |\n|---|---|---|\n");
     let median = |t: &[f64]| etendue_benches::timing::median(t.iter().copied());
-    for (times_of, (name, _)) in times.iter().zip(&sessions) {
+    for (times_of, (name, _)) in times.iter().zip(sessions) {
         let ratios = times_of.iter().zip(&times[0]).map(|(a, b)| a / b);
         let ratio = etendue_benches::timing::median(ratios);
         writeln!(out, "| {name} | {:.3} | {ratio:.2} |", median(times_of)).unwrap();
     }
     out
+}
+
+/// Of a scene of diffuse surfaces, and of the same in media.
+fn all_needs(name: &str, compiled: &Arc<CompiledScene>) -> String {
+    let both = Method::Both(Heuristic::Power);
+    let full = || open(compiled, 1).with_code(TransportCode::FULL);
+    let detail = TransportCode { lobes: false, ..TransportCode::FULL };
+    match name {
+        "area" => {
+            let mut wide = (**compiled).clone();
+            wide.needs.media = true;
+            let wide = Arc::new(wide);
+            let sessions = [
+                ("what it needs: diffuse surfaces", open(compiled, 1)),
+                ("bitmaps and interpolated normals too", open(compiled, 1).with_code(detail)),
+                ("lobes, bitmaps and interpolated normals too", full()),
+                ("media and boundaries too", open(&wide, 1)),
+                ("all of it", open(&wide, 1).with_code(TransportCode::FULL)),
+            ];
+            format!("\nThe closed Cornell box by `bdpt`:\n{}", needs(&sessions, both))
+        }
+        "fog" => {
+            let sessions =
+                [("what it needs: media and diffuse surfaces", open(compiled, 1)), ("all of it", full())];
+            let (path, both) = (needs(&sessions, Method::Path), needs(&sessions, both));
+            format!("\nThe same in fog by `path`:\n{path}\nand by `bdpt`:\n{both}")
+        }
+        _ => String::new(),
+    }
 }
 
 fn main() {
@@ -204,10 +224,9 @@ fn main() {
         print!("{text}");
         tables += &text;
         writeln!(summary, "| {} | {:.2} |", scene.title, price(&ladders[0]) / price(&ladders[1])).unwrap();
-        if scene.name == "area" {
-            cost = needs(&compiled);
-            print!("{cost}");
-        }
+        let by_need = all_needs(scene.name, &compiled);
+        print!("{by_need}");
+        cost += &by_need;
         let curves = Curves {
             title: scene.title,
             file: scene.name,

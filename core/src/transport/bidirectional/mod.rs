@@ -91,12 +91,15 @@ macro_rules! with_bidirectional {
                 $body
             }};
         }
-        // Four instances: it is large, and what bitmaps and lobes cost is little beside media.
-        match ($scene.needs.volume(), code.lobes || code.textures || code.shading_normals) {
-            (false, false) => instance!(false, false, false),
-            (false, true) => instance!(false, true, true),
-            (true, false) => instance!(true, false, false),
-            (true, true) => instance!(true, true, true),
+        let detail = code.textures || code.shading_normals;
+        // Six instances: in media there is one for all but diffuse surfaces of one colour.
+        match ($scene.needs.volume(), code.lobes, detail) {
+            (false, false, false) => instance!(false, false, false),
+            (false, false, true) => instance!(false, false, true),
+            (false, true, false) => instance!(false, true, false),
+            (false, true, true) => instance!(false, true, true),
+            (true, false, false) => instance!(true, false, false),
+            (true, _, _) => instance!(true, true, true),
         }
     }};
 }
