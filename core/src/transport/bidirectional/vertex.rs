@@ -1,14 +1,12 @@
 //! A place where a walk was scattered: on a surface or in a medium.
 
 use super::weight::Chain;
-use crate::bsdf::{BsdfSample, Lobes};
+use crate::bsdf::{BsdfSample, Lobes, diffuse};
 use crate::geometry::{SurfacePoint, offset_origin};
-use crate::math::{self, PI, Vec3};
+use crate::math::{self, Vec3};
 use crate::medium::{Inside, phase};
 use crate::transport::Surface;
 use crate::transport::volume::lead;
-
-const FRAC_1_PI: f32 = 1.0 / PI;
 
 /// From which end of a path a walk comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,9 +132,6 @@ impl Vertex {
                 if there <= 0.0 && !(LOBES && lobes.transmits()) {
                     return (Vec3::ZERO, [0.0; 2]);
                 }
-                if !LOBES && !SHADING {
-                    return (lobes.albedo * (there * FRAC_1_PI), [there * FRAC_1_PI, here * FRAC_1_PI]);
-                }
                 // The normal that lobes are seen about from a direction: an interpolated one that points away from it does not count.
                 let about = |w: Vec3| {
                     let side = if w.dot(*geometric) < 0.0 { -1.0 } else { 1.0 };
@@ -147,15 +142,18 @@ impl Vertex {
                     From::Light => (wi, self.wo),
                 };
                 let n = about(sensor);
-                let f = lobes.eval(n, sensor, light);
+                let f =
+                    if LOBES { lobes.eval(n, sensor, light) } else { diffuse::eval(lobes.albedo, n, light) };
                 let f = match from {
                     _ if !SHADING => f * math::abs(there),
                     From::Sensor => f * math::abs(light.dot(n)),
                     From::Light => f * math::abs(light.dot(n) * there / here),
                 };
-                let forward = lobes.pdf_solid_angle(about(self.wo), self.wo, wi);
-                let backward = lobes.pdf_solid_angle(about(wi), wi, self.wo);
-                (f, [forward, backward])
+                let pdf = |from: Vec3, to: Vec3| {
+                    let n = about(from);
+                    if LOBES { lobes.pdf_solid_angle(n, from, to) } else { diffuse::pdf_solid_angle(n, to) }
+                };
+                (f, [pdf(self.wo, wi), pdf(wi, self.wo)])
             }
         }
     }
