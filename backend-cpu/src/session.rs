@@ -24,11 +24,13 @@ use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, FirstShot, FirstShotError, Forecast, Subdivision, Weights};
 use etendue_core::transport::gather::{MapView, ProbePlace};
-use etendue_core::transport::volume::{Airlight, SingleScatter, Surroundings, has_airlight, probe_starts};
+use etendue_core::transport::volume::{
+    Airlight, LightMedia, SingleScatter, Surroundings, has_airlight, inside_of_probe, probe_starts,
+};
 use etendue_core::transport::{Paths, ProbeStart, TransportCode, place_probe};
 use etendue_core::with_tracer;
 use std::convert::Infallible;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 /// What was made last, kept until something else is asked for.
@@ -63,6 +65,8 @@ pub struct CpuSession {
     preparation: Vec<(&'static str, f64)>,
     code: TransportCode,
     surroundings: Surroundings,
+    /// What the lights send into, once it is asked for.
+    media: OnceLock<LightMedia>,
     /// The last density of photons' starts that was asked for, and the last elements.
     shot: Kept<(Subdivision, Weights), FirstShot>,
     elements: Kept<ElementSettings, Elements>,
@@ -82,6 +86,7 @@ impl CpuSession {
             preparation,
             code,
             surroundings,
+            media: OnceLock::new(),
             shot: Kept::new(),
             elements: Kept::new(),
         })
@@ -120,7 +125,12 @@ impl CpuSession {
         subdivision: &Subdivision,
         weights: Weights,
     ) -> Result<(FirstShot, u64), FirstShotError> {
-        photons::first_shot(&self.pool, &self.scene, &self.tree, subdivision, weights)
+        let place = (&self.tree, self.media());
+        photons::first_shot(&self.pool, &self.scene, place, subdivision, weights)
+    }
+
+    fn media(&self) -> &LightMedia {
+        self.media.get_or_init(|| LightMedia::new(&self.scene, &self.tree, self.surroundings.outside))
     }
 
     fn place(&self) -> Place<'_> {
@@ -143,7 +153,8 @@ impl CpuSession {
         elements: &'a Elements,
         shot: Option<&'a FirstShot>,
     ) -> Photons<'a> {
-        Photons { scene: &self.scene, tree: &self.tree, elements, code: self.code, job, shot }
+        let (scene, tree, media) = (&*self.scene, &self.tree, self.media());
+        Photons { scene, tree, media, camera: self.surroundings.camera, elements, code: self.code, job, shot }
     }
 
     fn gather(
@@ -164,7 +175,12 @@ impl CpuSession {
     fn places(&self, probes: &[Probe], gather: bool) -> Result<Vec<ProbePlace>, BackendError> {
         let places: Vec<_> = backend::check_probes(probes)?
             .into_iter()
-            .map(|(p, n)| place_probe(&self.scene, &self.tree, p, n))
+            .map(|(p, n)| {
+                let place = place_probe(&self.scene, &self.tree, p, n);
+                let outside = self.surroundings.outside;
+                let inside = inside_of_probe(&self.scene, &self.tree, outside, (&place.point, n));
+                ProbePlace { inside, ..place }
+            })
             .collect();
         match places.iter().position(|p| p.hit.is_none()) {
             Some(index) if !gather => {
@@ -205,23 +221,20 @@ impl CpuSession {
     /// Surfaces alone.
     fn check(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
         job.check()?;
-        self.check_film("path", film, expected)
+        check_needs("radiosity", self.scene.needs.beyond_surfaces())?;
+        same_film(film, expected)
+    }
+
+    /// What photons carry.
+    fn check_photons(&self, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
+        check_needs("photon", self.scene.needs.beyond_photons())?;
+        same_film(film, expected)
     }
 
     /// What paths carry.
     fn check_paths(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
         job.check()?;
         check_needs("path", self.scene.needs.beyond_paths())?;
-        same_film(film, expected)
-    }
-
-    fn check_film(
-        &self,
-        method: &'static str,
-        film: &Film,
-        expected: &FilmSettings,
-    ) -> Result<(), BackendError> {
-        check_needs(method, self.scene.needs.beyond_surfaces())?;
         same_film(film, expected)
     }
 }
@@ -369,8 +382,8 @@ impl Session for CpuSession {
     }
 
     fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {
-        check_needs("photon", self.scene.needs.beyond_surfaces())?;
-        Ok(first_shot::forecast(&self.scene, &self.tree, subdivision, photons)?)
+        check_needs("photon", self.scene.needs.beyond_photons())?;
+        Ok(first_shot::forecast(&self.scene, (&self.tree, self.media()), subdivision, photons)?)
     }
 
     fn direct_irradiance(
@@ -382,8 +395,10 @@ impl Session for CpuSession {
     ) -> Result<JobStats, BackendError> {
         let elements = self.elements(elements);
         let expected = backend::direct_film_settings(&self.scene, &elements, job);
-        self.check(job, film, &expected)?;
-        photons::direct(&self.pool, (&self.scene, &self.tree, &elements), job, control, film)
+        job.check()?;
+        self.check_photons(film, &expected)?;
+        let place = (&*self.scene, &self.tree, self.media(), &*elements);
+        photons::direct(&self.pool, place, job, control, film)
     }
 
     fn illumination(
@@ -395,7 +410,7 @@ impl Session for CpuSession {
         job.check()?;
         let elements = self.elements(&job.elements);
         let expected = backend::illumination_film_settings(&self.scene, &elements, job)?;
-        self.check_film("photon", film, &expected)?;
+        self.check_photons(film, &expected)?;
         let shot = self.shot_of(job)?;
         photons::run(&self.pool, self.photons(job, &elements, shot.as_deref()), control, film)
     }
@@ -408,7 +423,7 @@ impl Session for CpuSession {
     ) -> Result<JobStats, BackendError> {
         let expected = backend::image_film_settings(&self.scene, &job.path)?;
         job.check(&self.scene)?;
-        self.check_film("photon", film, &expected)?;
+        self.check_photons(film, &expected)?;
         let target = Target::Image { width: expected.width, height: expected.height };
         self.gather(job, target, control, film)
     }
@@ -422,7 +437,7 @@ impl Session for CpuSession {
     ) -> Result<JobStats, BackendError> {
         let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
         job.check(&self.scene)?;
-        self.check_film("photon", film, &expected)?;
+        self.check_photons(film, &expected)?;
         let places = self.places(probes, job.gather)?;
         self.gather(job, Target::Probes(&places), control, film)
     }

@@ -9,7 +9,7 @@ use etendue_core::backend::{
 };
 use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings, Sides};
-use etendue_core::scene::{MaterialKind, Reflectance, SceneDesc};
+use etendue_core::scene::{MaterialKind, MediumDesc, Reflectance, SceneDesc, ShapeDesc};
 use etendue_core::transport::photon::Sequence;
 use rooms::{
     JOB, furniture, gather_image, gather_probes, image_film, lamp, made_of, on_walls, point, probe_film,
@@ -138,8 +138,9 @@ fn what_cannot_be_done_is_said_and_leaves_the_film() {
 
     let mut foggy = furnished();
     foggy.materials.push(made_of("hole", MaterialKind::Null));
+    foggy.media.push(MediumDesc { emission: [1.0; 3], ..MediumDesc::new("fire", [0.1; 3], [0.1; 3], 0.0) });
     let hole = etendue_core::scene::ShapeKind::Sphere { center: [0.0; 3], radius: 0.1 };
-    foggy.shapes.push(shape(hole, "hole"));
+    foggy.shapes.push(ShapeDesc { exterior: "fire".into(), ..shape(hole, "hole") });
     let foggy = session(&foggy, None);
     let mut fog = probe_film(&foggy, &JOB, &probes);
     assert!(matches!(

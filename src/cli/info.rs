@@ -104,12 +104,11 @@ fn methods(scene: &CompiledScene) -> Vec<&'static str> {
     if n.beyond_paths().is_some() {
         return Vec::new();
     }
-    let mut list = vec!["path"];
-    if n.volume() {
-        return list;
+    let mut list = vec!["path", "bdpt"];
+    if n.beyond_photons().is_none() {
+        list.push("photon");
     }
-    list.push("photon");
-    if !(n.beyond_diffuse() || n.round_shapes || n.environment_image) {
+    if !(n.volume() || n.beyond_diffuse() || n.round_shapes || n.environment_image) {
         list.push("radiosity");
     }
     list

@@ -34,6 +34,7 @@ pub fn transport_hash(scene: &CompiledScene) -> [u8; 32] {
         grid_values,
         camera_medium: _,
         crossings: _,
+        glows: _,
         camera: _,
         bounds: _,
         needs: _,

@@ -9,6 +9,7 @@ use etendue_core::film::Film;
 use etendue_core::illumination::{Elements, FluxUnit};
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::photon::LightPlan;
+use etendue_core::transport::volume::LightMedia;
 use rayon::prelude::*;
 
 /// Primitives of one task: neighbours in most files.
@@ -17,7 +18,7 @@ const PRIMITIVES: usize = 256;
 /// Runs a job; the film is changed at the end or not at all.
 pub(crate) fn direct(
     pool: &rayon::ThreadPool,
-    (scene, tree, elements): (&CompiledScene, &Tree, &Elements),
+    (scene, tree, media, elements): (&CompiledScene, &Tree, &LightMedia, &Elements),
     job: &PathJob,
     control: &dyn Control,
     film: &mut Film,
@@ -40,7 +41,7 @@ pub(crate) fn direct(
                 for primitive in range.clone() {
                     rays += primitive_block(
                         scene,
-                        tree,
+                        (tree, media),
                         elements,
                         primitive as u32,
                         job,

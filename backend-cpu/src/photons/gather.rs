@@ -6,6 +6,7 @@ use crate::simd::widest;
 use crate::tree::Tree;
 use etendue_core::backend::{BackendError, Control, GatherJob, JobStats, PathJob};
 use etendue_core::film::Film;
+use etendue_core::medium::Inside;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::TransportCode;
 use etendue_core::transport::gather::{GatherLights, GatherTracer, MapView, ProbePlace};
@@ -62,8 +63,8 @@ impl Control for Portion<'_> {
 
 widest! {
     /// One block of samples of a pixel or a probe.
-    fn element_block[const L: bool, const T: bool, const S: bool](
-        tracer: &GatherTracer<'_, L, T, S>,
+    fn element_block[const V: bool, const L: bool, const T: bool, const S: bool](
+        tracer: &GatherTracer<'_, V, L, T, S>,
         ground: &Ground<'_>,
         map: &MapView<'_>,
         element: u32,
@@ -96,7 +97,7 @@ pub(crate) fn read(
     let lights = GatherLights::new(scene);
     let chunks = target.chunks();
     let ground = Ground { tree, target, job };
-    with_gather_tracer!(code, scene, &lights, job.max_depth, gather, |tracer| {
+    with_gather_tracer!(code, (scene, &lights, job.max_depth, gather, Inside::NOTHING), |tracer| {
         let mean = |element, block| element_block(&tracer, &ground, map, element, block);
         run_blocks(pool, job, &chunks, mean, control, film)
     })
@@ -111,12 +112,14 @@ pub(crate) fn gather(
     control: &dyn Control,
     film: &mut Film,
 ) -> Result<JobStats, BackendError> {
-    let Photons { scene, tree, elements, code, .. } = photons;
+    let Photons { scene, tree, elements, code, camera, .. } = photons;
     let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
     let lights = GatherLights::new(scene);
     // Only where rays gather they are needed apart: what is read itself has them in the map.
     let gathers = job.gather || scene.needs.round_shapes;
-    let caustics = gathers && scene.needs.mirrors && scene.needs.point_like_lights;
+    let needs = &scene.needs;
+    let sent_on = needs.mirrors || needs.refraction || needs.panes;
+    let caustics = gathers && sent_on && needs.point_like_lights;
     let mut maps = Maps::new(pool, photons, &plan, caustics)?;
     let mut part = Film::new(*film.settings());
     let chunks = target.chunks();
@@ -137,7 +140,7 @@ pub(crate) fn gather(
         let gathering =
             Portion { control, before: before + photons_each, factor: u64::from(job.path.block_length), all };
         let one = PathJob { blocks: block..block + 1, ..job.path.clone() };
-        stats += with_gather_tracer!(code, scene, &lights, one.max_depth, job.gather, |tracer| {
+        stats += with_gather_tracer!(code, (scene, &lights, one.max_depth, job.gather, camera), |tracer| {
             let mean = |element, block| element_block(&tracer, &ground, &map, element, block);
             run_blocks(pool, &one, &chunks, mean, &gathering, &mut part)
         })?;

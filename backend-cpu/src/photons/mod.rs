@@ -12,10 +12,12 @@ use etendue_core::backend::{BackendError, Control, JobStats, PhotonJob, PhotonSt
 use etendue_core::film::Film;
 use etendue_core::geometry::Hit;
 use etendue_core::illumination::{Elements, FluxUnit};
+use etendue_core::medium::Inside;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::TransportCode;
 use etendue_core::transport::first_shot::FirstShot;
 use etendue_core::transport::photon::{Arrival, LightPlan, Sequence};
+use etendue_core::transport::volume::LightMedia;
 use etendue_core::with_photon_tracer;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -33,6 +35,7 @@ const TASK: u32 = 1 << 12;
 struct Shared<'a> {
     scene: &'a CompiledScene,
     tree: &'a Tree,
+    media: &'a LightMedia,
     elements: &'a Elements,
     source: Source<'a>,
     job: &'a PhotonJob,
@@ -98,7 +101,7 @@ fn replicate(
 ) {
     let job = shared.job;
     let replicate = Replicate::new(shared, number);
-    with_photon_tracer!(code, shared.scene, job.max_hits, |tracer| {
+    with_photon_tracer!(code, (shared.scene, job.max_hits, shared.media), |tracer| {
         pool.install(|| match job.sequence {
             Sequence::Sorted => wave::walk(&tracer, shared, &replicate, meter),
             Sequence::Sobol | Sequence::Random => {
@@ -122,6 +125,9 @@ fn replicate(
 pub(crate) struct Photons<'a> {
     pub scene: &'a CompiledScene,
     pub tree: &'a Tree,
+    /// What the lights send into, and what the camera stands in.
+    pub media: &'a LightMedia,
+    pub camera: Inside,
     pub elements: &'a Elements,
     pub code: TransportCode,
     pub job: &'a PhotonJob,
@@ -170,9 +176,9 @@ impl<'a> Maps<'a> {
 
     /// Irradiance \[W/m^2\] per element by one replicate.
     fn make(&mut self, number: u32, meter: &Meter<'_>) -> Result<Vec<[f64; 3]>, BackendError> {
-        let Photons { scene, tree, elements, code, job, .. } = self.photons;
+        let Photons { scene, tree, media, elements, code, job, .. } = self.photons;
         let (source, unit, caustics) = (self.source, self.unit, self.caustics);
-        let shared = Shared { scene, tree, elements, source, job, unit, sums: &self.sums, caustics };
+        let shared = Shared { scene, tree, media, elements, source, job, unit, sums: &self.sums, caustics };
         replicate(self.pool, code, &shared, number, meter);
         if meter.stopped() {
             return Err(BackendError::Cancelled);

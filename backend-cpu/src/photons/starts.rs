@@ -10,7 +10,10 @@ use etendue_core::scene::{CompiledScene, NO_INDEX};
 use etendue_core::transport::first_shot::{
     FirstShot, FirstShotError, LitPiece, Start, StartPlan, Subdivision, Weights,
 };
-use etendue_core::transport::photon::{LightPlan, PICK_GROUP, Photon, START_GROUP, Sequence};
+use etendue_core::transport::photon::{
+    LightPlan, PICK_GROUP, Photon, PhotonTracer, START_GROUP, Sequence, Way,
+};
+use etendue_core::transport::volume::LightMedia;
 use rayon::prelude::*;
 
 /// Pairs of one task of the precomputation.
@@ -20,11 +23,11 @@ const PAIRS: usize = 512;
 pub(crate) fn first_shot(
     pool: &rayon::ThreadPool,
     scene: &CompiledScene,
-    tree: &Tree,
+    (tree, media): (&Tree, &LightMedia),
     subdivision: &Subdivision,
     weights: Weights,
 ) -> Result<(FirstShot, u64), FirstShotError> {
-    let plan = StartPlan::new(scene, *subdivision)?;
+    let plan = StartPlan::new(scene, media, *subdivision)?;
     let tasks = plan.pairs().div_ceil(PAIRS);
     let parts: Vec<(Vec<LitPiece>, u64)> = pool.install(|| {
         (0..tasks)
@@ -57,8 +60,8 @@ pub(super) enum Source<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Replicate {
     pub(super) numbers: Numbers,
-    /// Independent ones, for what is drawn once for many photons.
-    random: Numbers,
+    /// Independent ones, for what is drawn once for many photons, and for what happens between hits.
+    pub(super) random: Numbers,
     /// Whether photons walk along the distribution of starts, one in each of equal parts.
     even: bool,
     shift: u32,
@@ -94,38 +97,44 @@ impl Replicate {
 
 /// Photon `index` of a replicate where it first meets a surface, and the rays that this took. `None` where it meets none.
 #[inline(always)]
-pub(super) fn first_landing(
+pub(super) fn first_landing<W: Way, const L: bool, const T: bool, const S: bool>(
+    tracer: &PhotonTracer<'_, W, L, T, S>,
     shared: &Shared<'_>,
     replicate: &Replicate,
     index: u32,
     rays: &mut u64,
-) -> Option<(Photon, Hit)> {
+) -> Option<(Photon<W>, Hit)> {
     let numbers = replicate.numbers.with_index(index);
     let u = numbers.group4(START_GROUP);
-    let fly = |photon: Photon, rays: &mut u64| {
-        *rays += 1;
-        shared.tree.closest_hit(&photon.ray).map(|hit| (photon, hit))
+    let fly = |photon: Photon, light: u32, rays: &mut u64| {
+        let mut photon = tracer.begin(shared.tree, photon, (light, index), &replicate.random);
+        let hit = tracer.fly(shared.tree, &mut photon, &replicate.random, rays)?;
+        Some((photon, hit))
     };
     match shared.source {
         Source::Lights { plan, registers_direct, survives_first } => {
             let pick = if plan.has_choice() { replicate.pick(index, &numbers) } else { 0 };
-            let photon = plan.start(shared.scene, pick, u, registers_direct);
-            fly(Photon { survives_first, ..photon }, rays)
+            let (photon, light) = plan.start(shared.scene, pick, u, registers_direct);
+            fly(Photon { survives_first, ..photon }, light, rays)
         }
         Source::Surfaces(shot) => match shot.start(shared.scene, replicate.pick(index, &numbers), u)? {
-            Start::Flies(photon) => {
-                let (mut photon, hit) = fly(photon, rays)?;
+            Start::Flies(photon, light) => {
+                let (mut photon, hit) = fly(photon, light, rays)?;
                 if photon.light != NO_INDEX {
                     shot.weigh(shared.scene, &mut photon, &hit);
                 }
                 Some((photon, hit))
+            }
+            Start::Lands { photon, hit, look } if W::VOLUME => {
+                let photon = tracer.land_straight(shared.tree, photon, &hit, (&look?, index), rays);
+                (photon.flux != etendue_core::math::Vec3::ZERO).then_some((photon, hit))
             }
             Start::Lands { mut photon, hit, look } => {
                 if let Some(look) = look {
                     *rays += 1;
                     photon.flux *= look.factor(shared.tree.occluded(&look.ray));
                 }
-                (photon.flux != etendue_core::math::Vec3::ZERO).then_some((photon, hit))
+                (photon.flux != etendue_core::math::Vec3::ZERO).then_some((photon.along(W::default()), hit))
             }
         },
     }

@@ -4,14 +4,13 @@ use super::Shared;
 use super::starts::{Replicate, first_landing};
 use super::sums::Part;
 use crate::simd::widest;
-use etendue_core::geometry::Intersector;
-use etendue_core::transport::photon::{PhotonTracer, WALK_GROUP};
+use etendue_core::transport::photon::{PhotonTracer, WALK_GROUP, Way};
 use std::ops::Range;
 
 widest! {
     /// Photons of a range of a replicate; the rays that they took and the arrivals that count.
-    pub(super) fn walk[const L: bool, const T: bool, const S: bool](
-        tracer: &PhotonTracer<'_, L, T, S>,
+    pub(super) fn walk[W: Way, const L: bool, const T: bool, const S: bool](
+        tracer: &PhotonTracer<'_, W, L, T, S>,
         shared: &Shared<'_>,
         replicate: &Replicate,
         photons: Range<u32>,
@@ -19,7 +18,7 @@ widest! {
     ) -> [u64; 2] {
         let (mut rays, mut hits) = (0, 0);
         for index in photons {
-            let Some((mut photon, mut hit)) = first_landing(shared, replicate, index, &mut rays) else { continue };
+            let Some((mut photon, mut hit)) = first_landing(tracer, shared, replicate, index, &mut rays) else { continue };
             let numbers = replicate.numbers.with_index(index);
             while let Some((surface, arrival)) = tracer.land(&photon, &hit) {
                 if let Some(a) = arrival {
@@ -32,8 +31,7 @@ widest! {
                     break;
                 }
                 photon.flux /= chance;
-                rays += 1;
-                match shared.tree.closest_hit(&photon.ray) {
+                match tracer.fly(shared.tree, &mut photon, &replicate.random, &mut rays) {
                     Some(next) => hit = next,
                     None => break,
                 }

@@ -8,22 +8,22 @@ use super::starts::{Replicate, first_landing};
 use super::sums::Part;
 use super::{Meter, Shared, TASK};
 use crate::simd::widest;
-use etendue_core::geometry::{HilbertGrid, Hit, Intersector};
+use etendue_core::geometry::{HilbertGrid, Hit};
 use etendue_core::sampling::numbers::Numbers;
-use etendue_core::transport::photon::{Photon, PhotonTracer, WALK_GROUP};
+use etendue_core::transport::photon::{Photon, PhotonTracer, WALK_GROUP, Way};
 use rayon::prelude::*;
 use rdst::RadixSort;
 use std::ops::Range;
 
 /// A photon that has landed.
-type Landed = (Photon, Hit);
+type Landed<W> = (Photon<W>, Hit);
 /// A photon that would leave, with its chance to in units of 2^-32.
-type Leaving = (Photon, u32);
+type Leaving<W> = (Photon<W>, u32);
 
 /// A part of the order, the first of rank `rank`.
 #[derive(Clone, Copy)]
-struct Ordered<'a> {
-    landed: &'a [Landed],
+struct Ordered<'a, W> {
+    landed: &'a [Landed<W>],
     order: &'a [u64],
     rank: usize,
 }
@@ -37,10 +37,15 @@ const ONE: u64 = 1 << 32;
 
 widest! {
     /// The first landings of a range of photons, in order; and the rays that they took.
-    fn start(shared: &Shared<'_>, replicate: &Replicate, photons: Range<u32>) -> (Vec<Landed>, u64) {
+    fn start[W: Way, const L: bool, const T: bool, const S: bool](
+        tracer: &PhotonTracer<'_, W, L, T, S>,
+        shared: &Shared<'_>,
+        replicate: &Replicate,
+        photons: Range<u32>,
+    ) -> (Vec<Landed<W>>, u64) {
         let (mut landed, mut rays) = (Vec::with_capacity(photons.len()), 0);
         for index in photons {
-            landed.extend(first_landing(shared, replicate, index, &mut rays));
+            landed.extend(first_landing(tracer, shared, replicate, index, &mut rays));
         }
         (landed, rays)
     }
@@ -48,17 +53,17 @@ widest! {
 
 widest! {
     /// Registers and scatters photons.
-    fn scatter[const L: bool, const T: bool, const S: bool](
-        tracer: &PhotonTracer<'_, L, T, S>,
+    fn scatter[W: Way, const L: bool, const T: bool, const S: bool](
+        tracer: &PhotonTracer<'_, W, L, T, S>,
         shared: &Shared<'_>,
-        part: Ordered<'_>,
+        part: Ordered<'_, W>,
         numbers: &Numbers,
         group: u32,
         sums: &mut Part,
-    ) -> (Vec<Leaving>, u64) {
+    ) -> (Vec<Leaving<W>>, u64) {
         let Ordered { landed, order, rank } = part;
         let (mut leaving, mut hits) = (Vec::with_capacity(order.len()), 0);
-        let mut near: Vec<Landed> = Vec::with_capacity(FETCH);
+        let mut near: Vec<Landed<W>> = Vec::with_capacity(FETCH);
         for (i, _) in order.iter().enumerate() {
             if i % FETCH == 0 {
                 // They lie anywhere in memory: fetched in a row, they come while others are still on their way.
@@ -85,7 +90,13 @@ widest! {
 
 widest! {
     /// The survivors of photons before which the chances add up to `before`, where they land; and the rays that they took.
-    fn fly(shared: &Shared<'_>, leaving: &[Leaving], before: u64) -> (Vec<Landed>, u64) {
+    fn fly[W: Way, const L: bool, const T: bool, const S: bool](
+        tracer: &PhotonTracer<'_, W, L, T, S>,
+        shared: &Shared<'_>,
+        random: &Numbers,
+        leaving: &[Leaving<W>],
+        before: u64,
+    ) -> (Vec<Landed<W>>, u64) {
         let (mut landed, mut rays, mut sum) = (Vec::with_capacity(leaving.len()), 0, before);
         for (photon, chance) in leaving {
             let next = sum + u64::from(*chance);
@@ -96,15 +107,15 @@ widest! {
             }
             let mut photon = *photon;
             photon.flux *= (ONE as f64 / f64::from(*chance)) as f32;
-            rays += 1;
-            landed.extend(shared.tree.closest_hit(&photon.ray).map(|hit| (photon, hit)));
+            let hit = tracer.fly(shared.tree, &mut photon, random, &mut rays);
+            landed.extend(hit.map(|hit| (photon, hit)));
         }
         (landed, rays)
     }
 }
 
 /// Photons in order along the curve: their numbers in the low words.
-fn order(grid: &HilbertGrid, landed: &[Landed]) -> Vec<u64> {
+fn order<W: Way>(grid: &HilbertGrid, landed: &[Landed<W>]) -> Vec<u64> {
     let mut keys: Vec<u64> = landed
         .par_iter()
         .enumerate()
@@ -118,8 +129,8 @@ fn order(grid: &HilbertGrid, landed: &[Landed]) -> Vec<u64> {
 }
 
 /// Walks all photons of a replicate, some waves of them; only a part where the meter says stop.
-pub(super) fn walk<const L: bool, const T: bool, const S: bool>(
-    tracer: &PhotonTracer<'_, L, T, S>,
+pub(super) fn walk<W: Way, const L: bool, const T: bool, const S: bool>(
+    tracer: &PhotonTracer<'_, W, L, T, S>,
     shared: &Shared<'_>,
     replicate: &Replicate,
     meter: &Meter<'_>,
@@ -130,8 +141,8 @@ pub(super) fn walk<const L: bool, const T: bool, const S: bool>(
     }
 }
 
-fn walk_wave<const L: bool, const T: bool, const S: bool>(
-    tracer: &PhotonTracer<'_, L, T, S>,
+fn walk_wave<W: Way, const L: bool, const T: bool, const S: bool>(
+    tracer: &PhotonTracer<'_, W, L, T, S>,
     shared: &Shared<'_>,
     replicate: &Replicate,
     photons: Range<u32>,
@@ -146,12 +157,12 @@ fn walk_wave<const L: bool, const T: bool, const S: bool>(
             if meter.stopped() {
                 return Vec::new();
             }
-            let (landed, rays) = start(shared, replicate, range);
+            let (landed, rays) = start(tracer, shared, replicate, range);
             meter.count(rays, 0, 0);
             landed
         })
         .collect();
-    let mut landed: Vec<Landed> = parts.concat();
+    let mut landed: Vec<Landed<W>> = parts.concat();
     let mut alive = photons.len();
     for bounce in 0.. {
         // Whoever is gone counts as done.
@@ -162,7 +173,7 @@ fn walk_wave<const L: bool, const T: bool, const S: bool>(
         }
         let keys = order(&grid, &landed);
         let group = WALK_GROUP.wrapping_add(bounce);
-        let parts: Vec<Vec<Leaving>> = keys
+        let parts: Vec<Vec<Leaving<W>>> = keys
             .par_chunks(TASK as usize)
             .enumerate()
             .map(|(chunk, keys)| {
@@ -178,7 +189,7 @@ fn walk_wave<const L: bool, const T: bool, const S: bool>(
             })
             .collect();
         let mut sum = u64::from(replicate.roulette_offset(photons.start, bounce));
-        let parts: Vec<(Vec<Leaving>, u64)> = parts
+        let parts: Vec<(Vec<Leaving<W>>, u64)> = parts
             .into_iter()
             .map(|part| {
                 let before = sum;
@@ -186,13 +197,13 @@ fn walk_wave<const L: bool, const T: bool, const S: bool>(
                 (part, before)
             })
             .collect();
-        let parts: Vec<Vec<Landed>> = parts
+        let parts: Vec<Vec<Landed<W>>> = parts
             .into_par_iter()
             .map(|(leaving, before)| {
                 if meter.stopped() {
                     return Vec::new();
                 }
-                let (landed, rays) = fly(shared, &leaving, before);
+                let (landed, rays) = fly(tracer, shared, &replicate.random, &leaving, before);
                 meter.count(rays, 0, 0);
                 landed
             })

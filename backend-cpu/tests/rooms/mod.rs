@@ -1,6 +1,8 @@
 //! Rooms for tests of images and probes from maps of photons, and what is asked of them.
 #![allow(dead_code, unreachable_pub, reason = "each test binary has this module to itself and uses its part")]
 
+pub mod agree;
+
 use etendue_core::backend::{
     GatherJob, NoControl, PathJob, PhotonStart, Probe, Session, image_film_settings, probe_film_settings,
 };

@@ -180,10 +180,10 @@ impl GatherJob {
         }
     }
 
-    /// Whether ways from the sensor to the map have several lengths, by mirrors, Phong lobes or round shapes: then no one limit of the photons' arrivals makes
+    /// Whether ways from the sensor to the map have several lengths, by mirrors, Phong lobes, media, what light passes or round shapes: then no one limit of the photons' arrivals makes
     /// a limit of all edges.
     pub fn ways_differ(scene: &CompiledScene) -> bool {
-        scene.needs.beyond_diffuse() || scene.needs.round_shapes
+        scene.needs.beyond_diffuse() || scene.needs.round_shapes || scene.needs.volume()
     }
 
     /// Checks the numbers, for a scene.
@@ -199,7 +199,7 @@ impl GatherJob {
         } else if self.elements.sides != Sides::Apart {
             "a map to be read must have its sides apart"
         } else if self.path.max_depth != u32::MAX && Self::ways_differ(scene) {
-            "a limit of depth needs a scene of diffuse surfaces without spheres and disks with method `photon`"
+            "a limit of depth needs a scene of diffuse surfaces without spheres, disks and media with method `photon`"
         } else {
             return Ok(());
         };

@@ -13,6 +13,7 @@ use crate::math::{self, Vec3};
 use crate::sampling::sobol::BlockSampler;
 use crate::sampling::warp;
 use crate::scene::{CompiledScene, LightRecord};
+use crate::transport::volume::LightMedia;
 
 /// Unshadowed irradiance \[W/m^2\] of a light without size at a point with unit normal `n`, and the ray that must be free. `None` where nothing
 /// arrives, and for lights with size.
@@ -65,9 +66,11 @@ fn point_on(
 
 /// Direct flux \[W\] of all lights without size that arrives at a primitive, from one block of uniform points on each of its divisions, handed out with the
 /// place and the side at which it arrives; and the shadow rays it took.
+///
+/// `media`: what the lights send into, by which, and by panes, light on its way is changed. Null boundaries, panes and smooth dielectrics hold no flux: all of it is sent on.
 pub fn primitive_block<I: Intersector + ?Sized>(
     scene: &CompiledScene,
-    intersector: &I,
+    (intersector, media): (&I, &LightMedia),
     elements: &Elements,
     primitive: u32,
     job: &PathJob,
@@ -76,16 +79,28 @@ pub fn primitive_block<I: Intersector + ?Sized>(
 ) -> u64 {
     let cells = elements.cells(primitive);
     let area = scene.primitive_area(primitive) / (cells as f32 * job.block_length.max(1) as f32);
-    let mut rays = 0;
+    let (mut rays, volume) = (0, scene.needs.volume());
+    if volume && scene.material_of(primitive).is_passage() {
+        return 0;
+    }
     for cell in 0..cells {
         for i in 0..job.block_length {
             let u = BlockSampler::new(job.seed, primitive, block, i).group2(cell);
             let Some((hit, point, n)) = point_on(scene, elements, primitive, cell, u) else { continue };
-            for light in &scene.lights {
+            for (index, light) in scene.lights.iter().enumerate() {
                 let Some((irradiance, ray)) = from_light(light, &point, n) else { continue };
-                rays += 1;
-                if !intersector.occluded(&ray) {
-                    arrive(&hit, emit::toward(light, point.position).dot(n) >= 0.0, irradiance * area);
+                let left = if volume {
+                    let (straight, took) =
+                        media.straight(scene, intersector, index, &ray, (point.position, n));
+                    rays += took;
+                    straight.left
+                } else {
+                    rays += 1;
+                    if intersector.occluded(&ray) { Vec3::ZERO } else { Vec3::ONE }
+                };
+                if left != Vec3::ZERO {
+                    let from_front = emit::toward(light, point.position).dot(n) >= 0.0;
+                    arrive(&hit, from_front, irradiance * left * area);
                 }
             }
         }

@@ -9,7 +9,7 @@ use super::extent;
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
 use crate::math::{self, PI, TAU, Vec3};
 use crate::sampling::warp;
-use crate::scene::{CompiledScene, LightKind, LightRecord};
+use crate::scene::{CompiledScene, Glow, LightKind, LightRecord};
 
 /// A photon on its way from a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,27 +191,56 @@ fn emit_picture(scene: &CompiledScene, sphere: (Vec3, f32), u: [f32; 4]) -> Emis
     Emission { ray: from_infinity(-s.wi, sphere, way), flux }
 }
 
-/// Mean flux \[W\] of entry `index` of what emits in a scene: its lights, and after them the environment. 0 beyond that.
+/// A photon of the environment that is the same all round, or of a medium that emits.
+#[inline(never)]
+fn emit_beyond(scene: &CompiledScene, index: usize, sphere: (Vec3, f32), u: [f32; 4]) -> Emission {
+    let Some(Glow { bounds, .. }) = glow(scene, index) else {
+        return emit_environment(Vec3::from_array(scene.environment), sphere, u);
+    };
+    let origin = bounds.lo + (bounds.hi - bounds.lo) * Vec3::new(u[0], u[1], u[2]);
+    let ray = Ray { origin, direction: Vec3::ZERO, t_max: f32::MAX };
+    Emission { ray, flux: entry_flux(scene, index) }
+}
+
+/// Mean flux \[W\] of entry `index` of what emits in a scene: its lights, after them the environment, then the media that emit. 0 beyond that.
 pub fn mean_flux(scene: &CompiledScene, index: usize) -> f32 {
     math::mean(entry_flux(scene, index))
 }
 
-/// Flux \[W\] per channel of entry `index` of what emits in a scene; see [`mean_flux`].
-pub fn entry_flux(scene: &CompiledScene, index: usize) -> Vec3 {
-    let radius = scene.bounding_sphere().1;
-    match scene.lights.get(index) {
-        Some(light) => flux(light, radius),
-        None if index == scene.lights.len() => environment_flux(Vec3::from_array(scene.environment), radius),
-        None => Vec3::ZERO,
-    }
+/// How many entries there are.
+pub fn entries(scene: &CompiledScene) -> usize {
+    scene.lights.len() + 1 + scene.glows.len()
 }
 
-/// A photon of entry `index` of what emits in a scene, and whether that is a light without size; see [`mean_flux`].
+/// The medium of an entry that is one.
+#[inline]
+pub fn glow(scene: &CompiledScene, index: usize) -> Option<&Glow> {
+    scene.glows.get(index.checked_sub(scene.lights.len() + 1)?)
+}
+
+/// Flux \[W\] per channel of entry `index` of what emits in a scene; see [`mean_flux`]. Of a medium what would be sent if it filled its box: 4 pi j V, j the radiance that it emits per metre.
+pub fn entry_flux(scene: &CompiledScene, index: usize) -> Vec3 {
+    let radius = scene.bounding_sphere().1;
+    if let Some(light) = scene.lights.get(index) {
+        return flux(light, radius);
+    }
+    let Some(glow) = glow(scene, index) else {
+        let environment = index == scene.lights.len();
+        let radiance = if environment { Vec3::from_array(scene.environment) } else { Vec3::ZERO };
+        return environment_flux(radiance, radius);
+    };
+    let size = glow.bounds.hi - glow.bounds.lo;
+    let radiance = scene.media.get(usize::from(glow.medium) - 1).map_or([0.0; 3], |m| m.emission);
+    Vec3::from_array(radiance) * (2.0 * TAU * (size.x * size.y * size.z))
+}
+
+/// A photon of entry `index` of what emits in a scene, and whether that is a light without size; see [`mean_flux`]. In the box of a medium it has a place and no direction yet: whoever knows what lies there gives it
+/// one, or ends it.
 #[inline]
 pub fn emit_entry(scene: &CompiledScene, index: usize, sphere: (Vec3, f32), u: [f32; 4]) -> (Emission, bool) {
     match scene.lights.get(index) {
         Some(light) if light.kind == LightKind::Environment as u32 => (emit_picture(scene, sphere, u), false),
         Some(light) => (emit(light, sphere, u), is_point_like(light)),
-        None => (emit_environment(Vec3::from_array(scene.environment), sphere, u), false),
+        None => (emit_beyond(scene, index, sphere, u), false),
     }
 }

@@ -70,6 +70,7 @@ pub fn compile(desc: &SceneDesc) -> Result<(CompiledScene, CompileReport), Scene
     let drafts = core::mem::take(&mut b.lights);
     lights::finish(&mut b.out, drafts, &mut b.report)?;
     let missing = core::mem::take(&mut b.unsupported);
+    b.out.glows = super::glow::glows(&b.out);
     b.out.needs = SceneNeeds::of(&b.out, &b.material_drafts, b.media_present, missing);
     b.out.crossings = crossings(&b.out);
     Ok((b.out, b.report))

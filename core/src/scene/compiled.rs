@@ -268,6 +268,8 @@ pub struct CompiledScene {
     pub environment_map: Option<EnvironmentMap>,
     /// Media.
     pub media: Vec<MediumRecord>,
+    /// Those of them that emit, and where.
+    pub glows: Vec<super::Glow>,
     /// Grids that media refer to.
     pub grids: Vec<GridRecord>,
     /// Values of all grids, and the largest of each of their blocks.
@@ -305,6 +307,7 @@ impl Default for CompiledScene {
             environment: [0.0; 3],
             environment_map: None,
             media: Vec::new(),
+            glows: Vec::new(),
             grids: Vec::new(),
             grid_values: Vec::new(),
             camera_medium: 0,

@@ -54,6 +54,13 @@ impl MaterialRecord {
         })
     }
 
+    /// Light is sent on by it without being scattered, or passes it: a null boundary, a pane, or a dielectric without a finish.
+    #[inline]
+    pub fn is_passage(&self) -> bool {
+        let glass = self.flags & (material_flags::DIELECTRIC | material_flags::ROUGH);
+        self.flags & material_flags::PASSES != 0 || glass == material_flags::DIELECTRIC
+    }
+
     /// Its albedo is not the same everywhere.
     #[inline]
     pub fn is_textured(&self) -> bool {

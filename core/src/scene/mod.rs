@@ -12,6 +12,7 @@ mod compiled;
 mod desc;
 mod environment;
 mod error;
+mod glow;
 mod grid;
 mod lights;
 mod material;
@@ -29,5 +30,6 @@ pub use desc::{
     MediumDesc, MeshDesc, Reflectance, Roughness, SceneDesc, ShapeDesc, ShapeKind, TextureDesc, Wrap,
 };
 pub use error::{Cleanup, CompileReport, SceneError};
+pub use glow::Glow;
 pub use material::{IOR_RANGE, ROUGHNESS_MAX};
 pub use needs::SceneNeeds;

@@ -2,6 +2,7 @@
 
 use super::compiled::{CompiledScene, MaterialRecord, NO_INDEX, material_flags as flags};
 use super::desc::MaterialDesc;
+use super::glow;
 use crate::light::emit::is_point_like;
 use alloc::format;
 use alloc::string::String;
@@ -39,6 +40,10 @@ pub struct SceneNeeds {
     pub media: bool,
     /// Media whose density or albedo lies on a grid.
     pub grids: bool,
+    /// Media that emit light.
+    pub glowing_media: bool,
+    /// Some of them may reach to infinity.
+    pub endless_glow: bool,
     /// Boundaries that are no surfaces.
     pub null_boundaries: bool,
     /// Dielectrics that refract.
@@ -71,6 +76,8 @@ impl SceneNeeds {
             thin_lens: scene.camera.is_some_and(|c| c.lens_radius > 0.0),
             media,
             grids: media && !scene.grids.is_empty(),
+            glowing_media: media && scene.media.iter().any(|m| m.emission != [0.0; 3]),
+            endless_glow: media && glow::unbounded(scene),
             unsupported,
             ..Self::default()
         };
@@ -128,7 +135,7 @@ impl SceneNeeds {
 
     /// Nothing in the scene emits light.
     pub fn dark(&self) -> bool {
-        !(self.point_like_lights || self.area_lights || self.environment)
+        !(self.point_like_lights || self.area_lights || self.environment || self.glowing_media)
     }
 
     /// Light is changed on its way or passes surfaces.
@@ -139,6 +146,14 @@ impl SceneNeeds {
     /// Why path tracing cannot render this scene; `None` where it can.
     pub fn beyond_paths(&self) -> Option<String> {
         (!self.unsupported.is_empty()).then(|| self.unsupported.join(", "))
+    }
+
+    /// Why photons cannot render this scene; `None` where they can.
+    pub fn beyond_photons(&self) -> Option<String> {
+        if self.endless_glow {
+            return Some("media that emit light without bounds".into());
+        }
+        self.beyond_paths()
     }
 
     /// Why what knows surfaces alone cannot render this scene; `None` where it can.
@@ -173,6 +188,7 @@ impl fmt::Display for SceneNeeds {
             (self.thin_lens, "thin lens"),
             (self.media, "participating media"),
             (self.grids, "media on grids"),
+            (self.glowing_media, "media that emit"),
             (self.null_boundaries, "null boundaries"),
             (self.refraction, "dielectrics"),
             (self.panes, "thin plates or films"),

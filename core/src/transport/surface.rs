@@ -1,7 +1,7 @@
 //! What a ray finds at a hit: point, normals, lobes, emission.
 
 use super::gather::ProbePlace;
-use super::volume::lead;
+use super::volume::{boundaries::resolve, lead};
 use crate::bsdf::plastic::{Coat, CoatTable};
 use crate::bsdf::{Boundary, Finish, Interface, Lobes, Metal, fresnel};
 use crate::geometry::{
@@ -9,6 +9,7 @@ use crate::geometry::{
     shape_point,
 };
 use crate::math::{self, Vec3};
+use crate::medium::Inside;
 use crate::scene::{CompiledScene, MaterialRecord, SceneNeeds, material_flags, sample_bitmap};
 
 /// Which code a scene needs at a hit; each combination is an instance of its own, so that what is absent costs
@@ -300,7 +301,7 @@ pub fn resolve_probe<I: Intersector + ?Sized>(
 /// How far beneath a probe the surface may lie that it is meant for, in radii of the scene.
 const PROBE_REACH: f32 = 1e-3;
 
-/// A probe on the surface on which it lies, found by one short ray. Its extent is that of the surface, so that rays leave it as they would leave the
+/// A probe on the surface on which it lies, found by one short ray; in no medium. Its extent is that of the surface, so that rays leave it as they would leave the
 /// surface itself. A probe in mid-air has no extent; what lies beneath it within a thousandth of the scene's radius is still its surface for a map.
 pub fn place_probe<I: Intersector + ?Sized>(
     scene: &CompiledScene,
@@ -314,13 +315,20 @@ pub fn place_probe<I: Intersector + ?Sized>(
     let start = offset_origin(&widest, normal, normal);
     let ray = Ray { origin: start, direction: (position - start) * 2.0, t_max: 1.0 };
     let side = |ray: &Ray, hit: &Hit| front_of(scene, ray, hit).is_none_or(|front| normal.dot(front) >= 0.0);
+    // Where boundaries of media lie upon a surface it is that which is meant; one alone holds nothing to be read.
+    let found = |ray: &Ray, hit: Hit| {
+        let hit = resolve(scene, ray, hit, Inside::NOTHING).0;
+        let is_null = scene.material_of(hit.primitive).flags & material_flags::NULL != 0;
+        (!is_null).then(|| (hit, side(ray, &hit)))
+    };
+    let inside = Inside::NOTHING;
     if let Some(hit) = intersector.closest_hit(&ray) {
         let point = SurfacePoint { position, extent: extent_of(scene, hit.primitive, position) };
-        return ProbePlace { point, normal, hit: Some((hit, side(&ray, &hit))) };
+        return ProbePlace { point, normal, hit: found(&ray, hit), inside };
     }
     let down = Ray { origin: position, direction: -normal, t_max: PROBE_REACH * radius };
-    let hit = intersector.closest_hit(&down).map(|hit| (hit, side(&down, &hit)));
-    ProbePlace { point: SurfacePoint { position, extent: 0.0 }, normal, hit }
+    let hit = intersector.closest_hit(&down).and_then(|hit| found(&down, hit));
+    ProbePlace { point: SurfacePoint { position, extent: 0.0 }, normal, hit, inside }
 }
 
 /// Unit geometric normal of the front at a hit.

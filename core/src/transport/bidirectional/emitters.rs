@@ -1,13 +1,13 @@
 //! Where walks from lights start, and how likely.
 
-use crate::geometry::{Aabb, BoxTree, Intersector, Ray};
+use crate::geometry::{Intersector, Ray};
 use crate::light::{self, EnvironmentMap, emit};
 use crate::math::{self, PI, Vec3};
 use crate::medium::Inside;
 use crate::sampling::discrete;
-use crate::scene::{CompiledScene, LightKind, LightRecord, NO_INDEX};
-use crate::transport::volume::inside_at;
-use alloc::vec::Vec;
+use crate::scene::{CompiledScene, LightKind, LightRecord};
+use crate::transport::volume::LightMedia;
+pub(super) use crate::transport::volume::is_distant;
 
 /// The start of a walk from a light.
 #[derive(Clone, Copy, Debug)]
@@ -30,15 +30,7 @@ pub(super) struct Start {
 #[derive(Clone, Debug)]
 pub(super) struct Emitters {
     pub sphere: (Vec3, f32),
-    /// The media that each light sends into, where that is the same all over it.
-    inside: Vec<Option<Inside>>,
-    outside: Inside,
-}
-
-/// At infinity.
-#[inline(always)]
-pub(super) fn is_distant(light: &LightRecord) -> bool {
-    light.kind == LightKind::Directional as u32 || light.kind == LightKind::Environment as u32
+    media: LightMedia,
 }
 
 /// A ray can meet it by chance.
@@ -87,29 +79,7 @@ impl Emitters {
         intersector: &I,
         outside: Inside,
     ) -> Self {
-        let mut out = Self { sphere: scene.bounding_sphere(), inside: Vec::new(), outside };
-        if !scene.needs.media {
-            return out;
-        }
-        let primitives = scene.primitives();
-        let holds = |id: &u32| scene.surfaces[*id as usize].media != 0;
-        let boundaries =
-            BoxTree::new((0..primitives.count() as u32).filter(holds).map(|id| (primitives.bounds(id), id)));
-        for light in &scene.lights {
-            let start = emit::emit(light, out.sphere, [0.37, 0.41, 0.5, 0.25]).ray.origin;
-            let bounds = if light.primitive == NO_INDEX {
-                Aabb { lo: start, hi: start }
-            } else {
-                let pair = light.kind == LightKind::Parallelogram as u32;
-                let first = primitives.bounds(light.primitive);
-                if pair { first.union(primitives.bounds(light.primitive + 1)) } else { first }
-            };
-            let same = light.area <= 0.0 || !boundaries.touches(&bounds);
-            let inside =
-                if is_distant(light) { outside } else { inside_at(scene, intersector, outside, start) };
-            out.inside.push(same.then_some(inside));
-        }
-        out
+        Self { sphere: scene.bounding_sphere(), media: LightMedia::new(scene, intersector, outside) }
     }
 
     /// A start, from a full random number that chooses the light and four in [0, 1). `None` where nothing is sent.
@@ -158,11 +128,7 @@ impl Emitters {
         intersector: &I,
         start: &Start,
     ) -> Inside {
-        match self.inside.get(start.light as usize) {
-            Some(Some(inside)) => *inside,
-            Some(None) => inside_at(scene, intersector, self.outside, start.ray.origin),
-            None => self.outside,
-        }
+        self.media.of(scene, intersector, start.light as usize, start.ray.origin)
     }
 
     /// What is sent from a light to a vertex that it lights: the density per solid angle, or per area of a beam, by which emission draws it. `wi`: unit direction to the light.

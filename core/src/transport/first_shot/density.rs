@@ -2,31 +2,36 @@
 
 use super::pieces::{LitPiece, colour};
 use super::place::{SLACK, density, on_triangle, within};
-use super::weight::{light_share, look_factor, piece_flux, start_flux};
+use super::weight::{light_density, light_share, look_factor, piece_flux, start_flux};
 use super::{FirstShotError, StartPlan, Weights};
 use crate::direct::emission::EmissionTable;
 use crate::direct::irradiance::from_light;
-use crate::geometry::{Hit, Ray, hit_point_with};
+use crate::geometry::{Hit, Ray, hit_point_with, offset_origin, segment};
 use crate::light::emit;
 use crate::math::{self, Vec3};
 use crate::sampling::discrete::IntegerCdf;
 use crate::sampling::linear_triangle;
 use crate::scene::{CompiledScene, NO_INDEX};
-use crate::transport::photon::Photon;
+use crate::transport::photon::{Photon, Way};
+use crate::transport::volume::Straight;
 use alloc::vec::Vec;
+
+/// Least share of the photons of lights with pieces that come from the lights where light can be scattered or refracted before it lands: such light starts on no piece. With weights as published all others of them are
+/// left out.
+const ASTRAY: f32 = 0.5;
 
 /// How a photon begins.
 #[derive(Clone, Copy, Debug)]
 pub enum Start {
-    /// From a light: it is on its way.
-    Flies(Photon),
+    /// From this entry of what emits: it is on its way.
+    Flies(Photon, u32),
     /// On a surface: it has arrived, straight from a light.
     Lands {
         /// The photon; its ray leads from the light's direction.
         photon: Photon,
         /// Where.
         hit: Hit,
-        /// If there is one, [`Photon::flux`] must be multiplied by [`Look::factor`] of whether this ray is blocked.
+        /// If there is one, [`Photon::flux`] must be multiplied by [`Look::factor`] of whether this ray is blocked, or by [`Look::through`] of what the way leaves of the light.
         look: Option<Look>,
     },
 }
@@ -36,8 +41,16 @@ pub enum Start {
 pub struct Look {
     /// From the place to the light.
     pub ray: Ray,
+    /// The light.
+    pub light: u32,
+    /// Unit normal of the place.
+    pub normal: Vec3,
     /// Chance with which it is traced.
     chance: f32,
+    /// Densities per area of starts on the pieces, and of photons straight from the light if nothing were in their way. Of pieces that are not weighted exactly, both 0.
+    densities: [f32; 2],
+    /// The light's colour.
+    colour: Vec3,
 }
 
 impl Look {
@@ -45,6 +58,18 @@ impl Look {
     #[inline]
     pub fn factor(&self, blocked: bool) -> f32 {
         look_factor(self.chance, blocked)
+    }
+
+    /// What the flux of a start is multiplied by where this is left of the light: photons from the light come through with some chance only, and its start takes what they leave. With weights as published it
+    /// gives the colour alone: what is left of the channels' mean is in the densities.
+    #[inline]
+    pub fn through(&self, straight: &Straight) -> Vec3 {
+        let [here, there] = self.densities;
+        if here + there > 0.0 {
+            return straight.left * ((here + there) / (here + there * straight.chance));
+        }
+        let mean = math::mean(self.colour * straight.left);
+        if mean > 0.0 { straight.left / mean } else { Vec3::ONE }
     }
 }
 
@@ -69,6 +94,8 @@ pub struct FirstShot {
     slots: Vec<u32>,
     per_watt: Vec<f32>,
     exact: bool,
+    /// Light is changed on its way, or passes surfaces.
+    volume: bool,
     sphere: (Vec3, f32),
     emitted: f64,
     reflected: f64,
@@ -104,7 +131,9 @@ impl FirstShot {
             ranges[i] += ranges[i - 1];
         }
         let share = match weights {
+            Weights::Density if scene.needs.volume() => ASTRAY,
             Weights::Density => 0.0,
+            Weights::Exact { share } if scene.needs.volume() && share > 0.0 && share < ASTRAY => ASTRAY,
             Weights::Exact { share } if share > 0.0 && share < 1.0 => share,
             Weights::Exact { .. } => return Err(FirstShotError::Share),
         };
@@ -121,7 +150,7 @@ impl FirstShot {
         let sent = if reflected > 0.0 { share / (1.0 - share) * reflected } else { share * paired };
         let mut entries = Vec::new();
         let mut emitted = 0.0;
-        for light in 0..=scene.lights.len() {
+        for light in 0..emit::entries(scene) {
             let watts = flux(light);
             if scene.lights.get(light).is_some_and(emit::is_point_like) {
                 emitted += f64::from(watts);
@@ -138,7 +167,7 @@ impl FirstShot {
             let pmf = density.pmf((pieces.len() + i) as u32);
             per_watt[entry.light as usize] = pmf / flux(entry.light as usize);
         }
-        let (ranks, exact) = (plan.ranks.clone(), share > 0.0);
+        let (ranks, exact) = (plan.ranks.clone(), weights != Weights::Density);
         Ok(Self {
             pieces,
             entries,
@@ -148,6 +177,7 @@ impl FirstShot {
             slots,
             per_watt,
             exact,
+            volume: scene.needs.volume(),
             sphere,
             emitted,
             reflected: f64::from(reflected),
@@ -186,7 +216,7 @@ impl FirstShot {
         let pick = self.density.pick(pick);
         let Some(piece) = self.pieces.get(pick.index as usize) else {
             let entry = self.entries.get(pick.index as usize - self.pieces.len())?;
-            return Some(Start::Flies(self.fly(scene, entry, pick.pmf, u)));
+            return Some(Start::Flies(self.fly(scene, entry, pick.pmf, u), entry.light));
         };
         let light = scene.lights.get(piece.light as usize)?;
         let on_piece = linear_triangle::sample(piece.weights, [u[0], u[1]]);
@@ -197,15 +227,34 @@ impl FirstShot {
         let ray =
             Ray { origin: point.position, direction: -emit::toward(light, point.position), t_max: f32::MAX };
         let hit = Hit { t: 0.0, primitive: piece.triangle, b1: b[1], b2: b[2] };
-        let (flux, look) = if self.exact {
-            let (e, shadow) = from_light(light, &point, Vec3::from_array(surface.normal))?;
+        let normal = Vec3::from_array(surface.normal);
+        // To where the light is, should it send nothing here.
+        let back = segment(offset_origin(&point, normal, -ray.direction), Vec3::from_array(light.point));
+        let mut look = Look {
+            ray: back,
+            light: piece.light,
+            normal,
+            chance: piece.looks,
+            densities: [0.0; 2],
+            colour: colour(light),
+        };
+        let (flux, looks) = if self.exact {
+            let (e, shadow) = from_light(light, &point, normal)?;
             let density = density(pick.pmf, piece.weights, piece.area, on_piece);
-            let look = (u[3] < piece.looks).then_some(Look { ray: shadow, chance: piece.looks });
-            (start_flux(e, density, self.per_watt[piece.light as usize]), look)
+            let per_watt = self.per_watt[piece.light as usize];
+            look.ray = shadow;
+            look.densities = [density, light_density(e, per_watt)];
+            (start_flux(e, density, per_watt), u[3] < piece.looks)
         } else {
             // The density is linear, and so a little more than nothing beyond a spot's cone or in a shadow's edge: what starts there counts.
-            (piece_flux(colour(light), piece.weights, piece.area, pick.pmf), None)
+            if self.volume
+                && let Some((_, shadow)) = from_light(light, &point, normal)
+            {
+                look.ray = shadow;
+            }
+            (piece_flux(look.colour, piece.weights, piece.area, pick.pmf), self.volume)
         };
+        let look = looks.then_some(look);
         let photon =
             Photon { registers_first: false, caustic: true, survives_first: true, ..Photon::new(ray, flux) };
         Some(Start::Lands { photon, hit, look })
@@ -226,10 +275,14 @@ impl FirstShot {
         Photon { registers_first: !point_like, caustic: point_like, ..photon }
     }
 
-    /// Weighs a photon that has come straight from a light with pieces against a start where it has landed (the balance heuristic).
+    /// Weighs a photon that has come straight from a light with pieces against a start where it has landed (the balance heuristic). Weights as published know one way alone to start there.
     #[inline]
-    pub fn weigh(&self, scene: &CompiledScene, photon: &mut Photon, hit: &Hit) {
+    pub fn weigh<W: Way>(&self, scene: &CompiledScene, photon: &mut Photon<W>, hit: &Hit) {
         let index = core::mem::replace(&mut photon.light, NO_INDEX);
+        if !self.exact {
+            photon.flux = Vec3::ZERO;
+            return;
+        }
         let (Some(light), Some(surface)) =
             (scene.lights.get(index as usize), scene.surfaces.get(hit.primitive as usize))
         else {
@@ -238,6 +291,7 @@ impl FirstShot {
         let Some(v) = scene.primitives().vertices(hit.primitive) else { return };
         let point = hit_point_with(v, hit.b1, hit.b2, surface.sliver);
         let Some((e, _)) = from_light(light, &point, Vec3::from_array(surface.normal)) else { return };
+        let e = photon.way.through().map_or(e, |way| e * way.chance);
         photon.flux *= light_share(e, self.density_at(index, hit), self.per_watt[index as usize]);
     }
 

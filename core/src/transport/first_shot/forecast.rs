@@ -10,7 +10,10 @@ use crate::geometry::Intersector;
 use crate::math;
 use crate::sampling::numbers::Numbers;
 use crate::scene::CompiledScene;
-use crate::transport::photon::{LightPlan, PICK_GROUP, Photon, PhotonTracer, START_GROUP, WALK_GROUP};
+use crate::transport::photon::{
+    LightPlan, PICK_GROUP, Photon, PhotonTracer, START_GROUP, Through, WALK_GROUP, Way,
+};
+use crate::transport::volume::LightMedia;
 
 /// Photons that are tried, and pairs.
 const PHOTONS: u32 = 1 << 12;
@@ -45,19 +48,33 @@ impl Forecast {
     }
 }
 
-/// Forecasts the cost of a map as accurate as `photons` photons from the lights would make it.
+/// Forecasts the cost of a map as accurate as `photons` photons from the lights would make it; `media`: what the lights send into.
 ///
 /// # Errors
 /// As for the density of starts.
 pub fn forecast<I: Intersector + ?Sized>(
     scene: &CompiledScene,
-    intersector: &I,
+    (intersector, media): (&I, &LightMedia),
     subdivision: &Subdivision,
     photons: u64,
 ) -> Result<Forecast, FirstShotError> {
-    let plan = StartPlan::new(scene, *subdivision)?;
+    let plan = StartPlan::new(scene, media, *subdivision)?;
     let lights = LightPlan::new(scene).map_err(|_| FirstShotError::Dark)?;
-    let walk = try_photons(scene, intersector, &lights);
+    let walk = if scene.needs.volume() {
+        try_photons(
+            &PhotonTracer::<Through, true, true, true>::new(scene, u32::MAX, media),
+            scene,
+            intersector,
+            &lights,
+        )
+    } else {
+        try_photons(
+            &PhotonTracer::<(), true, true, true>::new(scene, u32::MAX, media),
+            scene,
+            intersector,
+            &lights,
+        )
+    };
     // NaN is no flux either.
     if walk.sum.partial_cmp(&0.0) != Some(core::cmp::Ordering::Greater) {
         return Err(FirstShotError::Dark);
@@ -83,20 +100,27 @@ struct Tried {
     later_rays: f64,
 }
 
-fn try_photons<I: Intersector + ?Sized>(scene: &CompiledScene, intersector: &I, lights: &LightPlan) -> Tried {
-    let tracer = PhotonTracer::<true, true, true>::new(scene, u32::MAX);
+fn try_photons<W: Way, I: Intersector + ?Sized>(
+    tracer: &PhotonTracer<'_, W, true, true, true>,
+    scene: &CompiledScene,
+    intersector: &I,
+    lights: &LightPlan,
+) -> Tried {
     let mut tried = Tried::default();
     for index in 0..PHOTONS {
         let numbers = Numbers::random(0x5EED, 0).with_index(index);
         let pick = numbers.bits4(PICK_GROUP)[0];
-        let photon = lights.start(scene, pick, numbers.group4(START_GROUP), false);
+        let (photon, light) = lights.start(scene, pick, numbers.group4(START_GROUP), false);
         let straight = !photon.registers_first;
-        let mut photon = Photon { survives_first: true, ..photon };
+        let photon = Photon { survives_first: true, ..photon };
+        let mut photon = tracer.begin(intersector, photon, (light, index), &numbers);
         let sent = f64::from(math::mean(photon.flux));
         let (mut carried, mut rays) = (if straight { 0.0 } else { sent }, 0.0);
         loop {
-            rays += 1.0;
-            let Some(hit) = intersector.closest_hit(&photon.ray) else { break };
+            let mut took = 0;
+            let landed = tracer.fly(intersector, &mut photon, &numbers, &mut took);
+            rays += took as f64;
+            let Some(hit) = landed else { break };
             let Some((surface, _)) = tracer.land(&photon, &hit) else { break };
             let [u, v, lobe, survive] = numbers.group4(WALK_GROUP.wrapping_add(photon.hits));
             let chance = tracer.scatter(&mut photon, &surface, [u, v], lobe);

@@ -46,10 +46,15 @@ pub struct LitPiece {
 
 /// What a material reflects at most, per channel, without its bitmap.
 pub(super) fn reflectance(material: &MaterialRecord) -> Vec3 {
-    let albedo = Vec3::from_array(material.albedo);
-    if material.flags & (material_flags::CONDUCTOR | material_flags::PLASTIC) != 0 {
+    // Photons do not land there, or there is all that can be sent on.
+    if material.is_passage() {
+        return Vec3::ZERO;
+    }
+    const ALL: u32 = material_flags::CONDUCTOR | material_flags::PLASTIC | material_flags::DIELECTRIC;
+    if material.flags & ALL != 0 {
         return Vec3::ONE;
     }
+    let albedo = Vec3::from_array(material.albedo);
     if material.flags & material_flags::MIRROR != 0 {
         return albedo;
     }
@@ -121,7 +126,8 @@ impl StartPlan<'_> {
         if area.is_nan() || area <= 0.0 || ka == Vec3::ZERO {
             return 0;
         }
-        if material.flags & material_flags::TWO_SIDED == 0 && light::emit::toward(light, v[0]).dot(n) <= 0.0 {
+        const BOTH: u32 = material_flags::TWO_SIDED | material_flags::DIELECTRIC | material_flags::SCATTERS;
+        if material.flags & BOTH == 0 && light::emit::toward(light, v[0]).dot(n) <= 0.0 {
             // What arrives behind is not sent on. (At a corner as good as anywhere: the light is on one side of the plane.)
             return 0;
         }
@@ -131,6 +137,12 @@ impl StartPlan<'_> {
             let [_, b1, b2] = inset(b);
             let point = hit_point_with(v, b1, b2, surface.sliver);
             let Some((e, ray)) = from_light(light, &point, n) else { return 0.0 };
+            if let Some(media) = self.media {
+                let place = (point.position, n);
+                let (straight, took) = media.straight(scene, intersector, light_index as usize, &ray, place);
+                rays += took;
+                return math::mean(e * straight.left);
+            }
             rays += 1;
             if intersector.occluded(&ray) { 0.0 } else { math::mean(e) }
         };
@@ -146,7 +158,9 @@ impl StartPlan<'_> {
                 }
             };
             if importance > 0.0 {
-                let looks = if !sure || weights.contains(&0.0) { 1.0 } else { SURE_LOOKS };
+                // What a medium leaves of the light is always asked.
+                let all = !sure || weights.contains(&0.0) || self.media.is_some();
+                let looks = if all { 1.0 } else { SURE_LOOKS };
                 emit(LitPiece { triangle, light: light_index, corners, weights, area, importance, looks });
             }
         };

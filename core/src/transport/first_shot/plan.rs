@@ -6,6 +6,7 @@ use crate::geometry::HilbertGrid;
 use crate::light::emit;
 use crate::math::Vec3;
 use crate::scene::{CompiledScene, NO_INDEX, material_flags};
+use crate::transport::volume::LightMedia;
 use alloc::vec::Vec;
 
 /// Most (triangle, light) pairs that are looked at; lights beyond are entries of their own. Where so many lights share the flux hardly any pair is worth
@@ -48,15 +49,21 @@ pub struct StartPlan<'a> {
     pub(super) ranks: Vec<u32>,
     /// Mean flux of all lights without size \[W\].
     pub(super) flux: f32,
+    /// The media that lights send into, where light is changed on its way or passes surfaces.
+    pub(super) media: Option<&'a LightMedia>,
     albedos: Vec<Albedo<'a>>,
 }
 
 impl<'a> StartPlan<'a> {
-    /// The plan of a scene.
+    /// The plan of a scene; `media`: what its lights send into.
     ///
     /// # Errors
     /// [`FirstShotError::RoundShapes`].
-    pub fn new(scene: &'a CompiledScene, subdivision: Subdivision) -> Result<Self, FirstShotError> {
+    pub fn new(
+        scene: &'a CompiledScene,
+        media: &'a LightMedia,
+        subdivision: Subdivision,
+    ) -> Result<Self, FirstShotError> {
         if !scene.shapes.is_empty() {
             return Err(FirstShotError::RoundShapes { count: scene.shapes.len() });
         }
@@ -96,7 +103,8 @@ impl<'a> StartPlan<'a> {
                 (Ok(b), _) => Albedo::Coarse(Pyramid::new(&b)),
             })
             .collect();
-        Ok(Self { scene, subdivision, lights, order, ranks, flux, albedos })
+        let media = scene.needs.volume().then_some(media);
+        Ok(Self { scene, subdivision, lights, order, ranks, flux, media, albedos })
     }
 
     /// Pairs of a light and a triangle that are to be looked at; see [`Self::pieces`].

@@ -1,7 +1,7 @@
 //! What lies where a boundary is crossed, and in what a point lies.
 
 use super::CROSSINGS_MAX;
-use crate::geometry::{Hit, Intersector, Ray, offset_origin};
+use crate::geometry::{Hit, Intersector, Ray, SurfacePoint, offset_origin};
 use crate::math::{self, Vec3};
 use crate::medium::Inside;
 use crate::scene::{CompiledScene, material_flags};
@@ -155,14 +155,23 @@ pub fn probe_starts<I: Intersector + ?Sized>(
 ) -> Vec<ProbeStart> {
     let start = |(position, normal): &(Vec3, Vec3)| {
         let point = resolve_probe(scene, intersector, *position, *normal);
-        let inside = if scene.needs.volume() {
-            inside_at(scene, intersector, outside, offset_origin(&point, *normal, *normal))
-        } else {
-            Inside::NOTHING
-        };
+        let inside = inside_of_probe(scene, intersector, outside, (&point, *normal));
         ProbeStart { point, normal: *normal, inside }
     };
     probes.iter().map(start).collect()
+}
+
+/// The media in front of a probe.
+pub fn inside_of_probe<I: Intersector + ?Sized>(
+    scene: &CompiledScene,
+    intersector: &I,
+    outside: Inside,
+    (point, normal): (&SurfacePoint, Vec3),
+) -> Inside {
+    if !scene.needs.volume() {
+        return Inside::NOTHING;
+    }
+    inside_at(scene, intersector, outside, offset_origin(point, normal, normal))
 }
 
 /// The media that a point lies in, found by the boundaries on a way out of the scene: what surfaces say of their sides, and what is outside.

@@ -7,13 +7,16 @@
 
 mod airlight;
 pub(super) mod boundaries;
+mod lights;
 mod vertex;
 pub(super) mod way;
 
 pub use airlight::{Airlight, NODES_MAX, Rule, SingleScatter, has_airlight};
+pub(super) use lights::is_distant;
+pub use lights::{LightMedia, Straight};
 pub(super) use way::lead;
 
-pub use boundaries::{Surroundings, inside_at, probe_starts};
+pub use boundaries::{Surroundings, inside_at, inside_of_probe, probe_starts};
 
 use super::back::{NO_RAY, camera_ray, emission, one_colour, roulette, white_surface};
 use super::paths::{Paths, ProbeStart};
@@ -26,8 +29,8 @@ use crate::medium::{Inside, Medium};
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, material_flags};
 use boundaries::resolve;
-use vertex::Vertex;
-use way::{Followed, Way};
+pub(super) use vertex::Vertex;
+pub(super) use way::{Followed, Way};
 
 /// Groups of sample dimensions of an event (a scattering, or a boundary that is crossed): the flight, the light, the direction.
 const GROUPS: u32 = 3;
@@ -291,7 +294,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             return None;
         }
         let inside = if LOBES { vertex.media(state.inside, s.wi) } else { state.inside };
-        Some(vertex.connection(&s, inside, carried))
+        Some(Connection { way: vertex.way(&s, inside), carried })
     }
 
     /// A connection has reached a surface, or its end.

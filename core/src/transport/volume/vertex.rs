@@ -1,7 +1,7 @@
 //! A place where light is scattered: on a surface or in a medium.
 
 use super::way::Way;
-use super::{Connection, with_unit_direction};
+use super::with_unit_direction;
 use crate::bsdf::BsdfSample;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::light::{self, LightSample};
@@ -10,7 +10,7 @@ use crate::medium::{Inside, phase};
 use crate::transport::Surface;
 
 /// Where light is scattered.
-pub(super) enum Vertex<'a> {
+pub(in crate::transport) enum Vertex<'a> {
     /// A surface, and what lies beyond it.
     Surface(&'a Surface, Inside),
     Medium {
@@ -30,7 +30,7 @@ fn goes(s: &Surface, wi: Vec3) -> bool {
 impl Vertex<'_> {
     /// What a direction that leaves is in; `here`: what the arriving ray was in.
     #[inline(always)]
-    pub(super) fn media(&self, here: Inside, wi: Vec3) -> Inside {
+    pub(in crate::transport) fn media(&self, here: Inside, wi: Vec3) -> Inside {
         match self {
             Self::Surface(s, beyond) if wi.dot(s.geometric) < 0.0 => *beyond,
             _ => here,
@@ -39,7 +39,7 @@ impl Vertex<'_> {
 
     /// See [`crate::bsdf::Lobes::index_ratio_squared`].
     #[inline(always)]
-    pub(super) fn index_ratio_squared(&self, wi: Vec3) -> f32 {
+    pub(in crate::transport) fn index_ratio_squared(&self, wi: Vec3) -> f32 {
         match self {
             Self::Surface(s, _) => s.lobes.index_ratio_squared(s.shading, s.wo, wi),
             Self::Medium { .. } => 1.0,
@@ -47,7 +47,7 @@ impl Vertex<'_> {
     }
 
     #[inline(always)]
-    pub(super) fn position(&self) -> Vec3 {
+    pub(in crate::transport) fn position(&self) -> Vec3 {
         match self {
             Self::Surface(s, _) => s.point.position,
             Self::Medium { position, .. } => *position,
@@ -56,7 +56,7 @@ impl Vertex<'_> {
 
     /// f cos, or the phase function, and the density of a direction.
     #[inline(always)]
-    pub(super) fn scattering(&self, wi: Vec3) -> (Vec3, f32) {
+    pub(in crate::transport) fn scattering(&self, wi: Vec3) -> (Vec3, f32) {
         match self {
             Self::Surface(s, _) => {
                 if !goes(s, wi) {
@@ -74,7 +74,11 @@ impl Vertex<'_> {
 
     /// A direction.
     #[inline(always)]
-    pub(super) fn sample<const SHADING: bool>(&self, u: [f32; 2], lobe: f32) -> Option<BsdfSample> {
+    pub(in crate::transport) fn sample<const SHADING: bool>(
+        &self,
+        u: [f32; 2],
+        lobe: f32,
+    ) -> Option<BsdfSample> {
         match self {
             Self::Surface(s, _) => {
                 let found = s.lobes.sample(s.shading, s.wo, u, lobe)?;
@@ -90,7 +94,7 @@ impl Vertex<'_> {
 
     /// Start of a ray into a direction.
     #[inline(always)]
-    pub(super) fn leave(&self, wi: Vec3) -> Vec3 {
+    pub(in crate::transport) fn leave(&self, wi: Vec3) -> Vec3 {
         match self {
             Self::Surface(s, _) => s.leave(wi),
             Self::Medium { position, .. } => *position,
@@ -99,7 +103,7 @@ impl Vertex<'_> {
 
     /// What lies between the vertex and the start of a ray from it \[m\].
     #[inline(always)]
-    pub(super) fn lead(&self, origin: Vec3, wi: Vec3) -> f32 {
+    pub(in crate::transport) fn lead(&self, origin: Vec3, wi: Vec3) -> f32 {
         match self {
             Self::Surface(s, _) => s.lead(origin, wi),
             Self::Medium { .. } => 0.0,
@@ -108,7 +112,7 @@ impl Vertex<'_> {
 
     /// The ray to a place on a light.
     #[inline(always)]
-    pub(super) fn towards(&self, sample: &LightSample) -> Ray {
+    pub(in crate::transport) fn towards(&self, sample: &LightSample) -> Ray {
         match self {
             Self::Surface(s, _) => light::shadow_ray(sample, &s.point, s.geometric),
             Self::Medium { position, .. } => {
@@ -118,9 +122,9 @@ impl Vertex<'_> {
         }
     }
 
-    /// The way to a place on a light, through the medium around the vertex, with what it brings if it is free and clear.
+    /// The way to a place on a light, through the media that the vertex has on that side.
     #[inline(always)]
-    pub(super) fn connection(&self, sample: &LightSample, inside: Inside, carried: Vec3) -> Connection {
+    pub(in crate::transport) fn way(&self, sample: &LightSample, inside: Inside) -> Way {
         let ray = with_unit_direction(self.towards(sample));
         let left = if sample.distant {
             f32::INFINITY
@@ -128,12 +132,12 @@ impl Vertex<'_> {
             math::sqrt((sample.point - self.position()).length_squared())
         };
         let lead = self.lead(ray.origin, ray.direction);
-        Connection { way: Way { ray, lead, left, inside, crossed: 0 }, carried }
+        Way { ray, lead, left, inside, crossed: 0 }
     }
 
     /// Light sampling can contribute.
     #[inline(always)]
-    pub(super) fn has_density(&self) -> bool {
+    pub(in crate::transport) fn has_density(&self) -> bool {
         match self {
             Self::Surface(s, _) => s.lobes.has_density(),
             Self::Medium { .. } => true,

@@ -212,7 +212,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         if carried == Vec3::ZERO || !carried.is_finite() {
             return false;
         }
-        state.walk.connection = vertex.connection(&s, walk.inside, carried);
+        state.walk.connection = super::Connection { way: vertex.way(&s, walk.inside), carried };
         true
     }
 

@@ -21,7 +21,10 @@
 //!   given: a photon there counts 1 / (pi r^2) times its flux, rarely and without bound as r falls, and the element's blur is seen at first hand.
 //! - **Spheres and disks** are one element each, too coarse to be read: rays gather there as they do at the first surface, and go on to what can be read.
 //!
-//! What stays out: a light without size that a Phong lobe sees through a mirror (no direction meets it; path tracing misses it, too).
+//! - **Media** hold no map: where a ray's flight ends in one, lights are sampled and the ray goes on by the phase function, until it lands on a surface that is read. Boundaries that light passes are
+//!   mirrors here, and what they let through.
+//!
+//! What stays out: a light without size that a Phong lobe or a medium sees through a mirror or a refracting boundary (no direction meets it; path tracing misses it, too).
 //!
 //! Accuracy: unbiased but for the map's elements, within which irradiance is constant or linear. Without the final gather they are seen as they are; with it their
 //! error is averaged over what x sees. Where normals are interpolated the map still holds the irradiance of the flat faces.
@@ -29,13 +32,17 @@
 //! Numbers come in the groups of [`super::path`]: the sensor first, then two groups an edge. Roulette is that of path tracing, from the fifth edge.
 //! Source: H. W. Jensen, "Realistic Image Synthesis Using Photon Mapping" (2001), chapter 8, for the parts; his map is another.
 
+mod through;
+
 use super::back::{BlockSum, NO_RAY, camera_ray, emission, roulette, white_surface};
+use super::volume::Vertex;
 use super::{Surface, mis, surface_at};
-use crate::bsdf::{diffuse, phong};
+use crate::bsdf::{Interface, diffuse, phong};
 use crate::geometry::{Hit, Intersector, Ray, SurfacePoint};
 use crate::illumination::Elements;
 use crate::light::{self, LightSample, emit};
 use crate::math::{INV_PI, PI, Vec3};
+use crate::medium::Inside;
 use crate::sampling::discrete::IntegerCdf;
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::{CompiledScene, LightRecord};
@@ -110,6 +117,8 @@ pub struct ProbePlace {
     pub normal: Vec3,
     /// The surface that is there, if one is, and whether the normal is on the side of its front.
     pub hit: Option<(Hit, bool)>,
+    /// The media on the side of the normal.
+    pub inside: Inside,
 }
 
 /// What a ray brings, followed back from the sensor.
@@ -131,23 +140,37 @@ struct Walk {
     /// No diffuse surface lies between here and the sensor.
     seen: bool,
     rays: u32,
+    /// What the ray flies through.
+    through: through::Through,
 }
 
-/// The tracer back from the sensor for one scene, with the code that it needs (see [`super::TransportCode`]).
+/// The tracer back from the sensor for one scene, with the code that it needs (see [`super::TransportCode`]; `VOLUME`: light is changed on its way, or passes surfaces).
 #[derive(Clone, Copy, Debug)]
-pub struct GatherTracer<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
+pub struct GatherTracer<'a, const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
+{
     scene: &'a CompiledScene,
     lights: &'a GatherLights,
     max_depth: u32,
     gather: bool,
+    /// What the camera stands in.
+    camera: Inside,
 }
 
-impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
-    GatherTracer<'a, LOBES, TEXTURES, SHADING>
+/// Of scenes of surfaces alone.
+pub type SurfaceGather<'a, const L: bool, const T: bool, const S: bool> = GatherTracer<'a, false, L, T, S>;
+
+impl<'a, const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
+    GatherTracer<'a, VOLUME, LOBES, TEXTURES, SHADING>
 {
-    /// A tracer of at most `max_depth` edges from the sensor to a lamp or, with those of its photons, to the map; with or without a final gather.
-    pub fn new(scene: &'a CompiledScene, lights: &'a GatherLights, max_depth: u32, gather: bool) -> Self {
-        Self { scene, lights, max_depth, gather }
+    /// A tracer of at most `max_depth` edges from the sensor to a lamp or, with those of its photons, to the map; with or without a final gather. `camera`: the media in which it stands.
+    pub fn new(
+        scene: &'a CompiledScene,
+        lights: &'a GatherLights,
+        max_depth: u32,
+        gather: bool,
+        camera: Inside,
+    ) -> Self {
+        Self { scene, lights, max_depth, gather, camera }
     }
 
     /// Mean of one block of camera rays through a pixel, summed in the order of the samples; and the rays it took.
@@ -171,6 +194,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             let mut walk = self.start(first.with_index(i));
             walk.ray = camera_ray(camera, x, y, &walk.sampler);
             walk.depth = 1;
+            walk.vertex = walk.ray.origin;
+            walk.through = through::Through::new(self.camera);
             self.follow(intersector, map, &mut walk);
             sum.add((walk.radiance, walk.rays));
         }
@@ -194,7 +219,8 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         }
         let surface = white_surface(probe.point, probe.normal);
         let first = BlockSampler::new(seed, index, block, 0);
-        let mut once = Walk { throughput: Vec3::splat(PI), ..self.start(first) };
+        let through = through::Through::new(probe.inside);
+        let mut once = Walk { throughput: Vec3::splat(PI), through, ..self.start(first) };
         self.point_like(intersector, &mut once, &surface, u32::MAX);
         let gather = self.gather || probe.hit.is_some_and(|(hit, _)| self.is_round(&hit));
         let values = if gather { map.caustics } else { map.all };
@@ -208,7 +234,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             return sum.mean(1);
         }
         for i in 0..block_length {
-            let mut walk = Walk { throughput: Vec3::splat(PI), ..self.start(first.with_index(i)) };
+            let mut walk = Walk { throughput: Vec3::splat(PI), through, ..self.start(first.with_index(i)) };
             if self.spread(intersector, &mut walk, &surface) {
                 self.follow(intersector, map, &mut walk);
             }
@@ -231,6 +257,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             gathers: self.gather,
             seen: true,
             rays: 0,
+            through: through::Through::default(),
         }
     }
 
@@ -239,7 +266,15 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     fn follow<I: Intersector + ?Sized>(&self, intersector: &I, map: &MapView<'_>, walk: &mut Walk) {
         loop {
             walk.rays += 1;
-            let Some(hit) = intersector.closest_hit(&walk.ray) else {
+            let mut hit = intersector.closest_hit(&walk.ray);
+            if VOLUME {
+                match self.fly(intersector, walk, hit) {
+                    through::Flown::Goes => continue,
+                    through::Flown::Over => return,
+                    through::Flown::Meets(surface) => hit = surface,
+                }
+            }
+            let Some(hit) = hit else {
                 walk.radiance += walk.throughput
                     * light::escaped(self.scene, walk.ray.direction, walk.pdf, self.lights.surface_share);
                 return;
@@ -248,14 +283,19 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
                 return;
             };
             let share = self.lights.surface_share;
+            let t = if VOLUME { walk.through.flown + hit.t } else { hit.t };
             let (met, weight) =
-                emission(self.scene, &surface, (&walk.ray, hit.t), (walk.vertex, walk.pdf), share);
+                emission(self.scene, &surface, (&walk.ray, t), (walk.vertex, walk.pdf), share);
             walk.radiance += walk.throughput * met * weight;
             if walk.depth >= self.max_depth {
                 return;
             }
-            let goes_on = if LOBES && surface.lobes.mirror {
+            let goes_on = if VOLUME && surface.interface != Interface::Opaque {
+                self.meet_interface(walk, &surface, hit.t)
+            } else if LOBES && surface.lobes.mirror {
                 self.reflect(walk, &surface)
+            } else if VOLUME && !surface.lobes.is_plain() {
+                self.follow_through(intersector, map, walk, surface, &hit)
             } else if LOBES && !surface.lobes.is_plain() {
                 self.follow_lobes(intersector, map, walk, &surface, &hit)
             } else if walk.gathers || self.is_round(&hit) || self.is_near(map, walk, &hit) {
@@ -405,6 +445,9 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         walk.vertex = surface.leave(wi);
         walk.ray = Ray { origin: walk.vertex, direction: wi, t_max: f32::MAX };
         walk.depth += 1;
+        if VOLUME {
+            walk.through.leave(walk.through.inside, surface.lead(walk.vertex, wi));
+        }
         true
     }
 
@@ -418,11 +461,19 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         surface: &Surface,
         most: u32,
     ) {
+        self.point_like_of(walk, most, |walk, light, factor| {
+            self.add_point_like(intersector, walk, surface, light, factor);
+        });
+    }
+
+    /// Hands out those lights, each with what its sample is multiplied by.
+    #[inline(always)]
+    fn point_like_of(&self, walk: &mut Walk, most: u32, mut add: impl FnMut(&mut Walk, &LightRecord, f32)) {
         let choice = &self.lights.point_like;
         if choice.lights.len() <= most as usize {
             for index in &choice.lights {
                 if let Some(light) = self.scene.lights.get(*index as usize) {
-                    self.add_point_like(intersector, walk, surface, light, light.pmf);
+                    add(walk, light, light.pmf);
                 }
             }
             return;
@@ -431,7 +482,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         for k in 0..most {
             let step = ((u64::from(k) << 32) / u64::from(most)) as u32;
             if let Some((light, factor)) = choice.pick(self.scene, word.wrapping_add(step)) {
-                self.add_point_like(intersector, walk, surface, light, factor / most as f32);
+                add(walk, light, factor / most as f32);
             }
         }
     }
@@ -506,6 +557,12 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         if brings == Vec3::ZERO {
             return;
         }
+        if VOLUME {
+            let vertex = Vertex::Surface(surface, walk.through.beyond);
+            let left = self.clear(intersector, walk, &vertex, s);
+            walk.radiance += brings * left;
+            return;
+        }
         walk.rays += 1;
         if !intersector.occluded(&light::shadow_ray(s, &surface.point, surface.geometric)) {
             walk.radiance += brings;
@@ -513,14 +570,21 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 }
 
-/// Runs `$body` with `$tracer` bound to the tracer from a map that has just the code that `$code` names.
+/// Runs `$body` with `$tracer` bound to the tracer from a map that has just the code that `$code` names; `$camera`: the media that the camera stands in.
 #[macro_export]
 macro_rules! with_gather_tracer {
-    ($code:expr, $scene:expr, $lights:expr, $max_depth:expr, $gather:expr, |$tracer:ident| $body:expr) => {{
-        use $crate::transport::gather::GatherTracer;
-        $crate::with_transport_code!(
-            $code,
-            |$tracer = GatherTracer($scene, $lights, $max_depth, $gather)| $body
-        )
+    ($code:expr, ($scene:expr, $lights:expr, $max_depth:expr, $gather:expr, $camera:expr), |$tracer:ident| $body:expr) => {{
+        use $crate::transport::gather::{GatherTracer, SurfaceGather};
+        if $scene.needs.volume() {
+            // One instance: what else a scene does not need costs little beside flights.
+            let $tracer =
+                GatherTracer::<true, true, true, true>::new($scene, $lights, $max_depth, $gather, $camera);
+            $body
+        } else {
+            $crate::with_transport_code!(
+                $code,
+                |$tracer = SurfaceGather($scene, $lights, $max_depth, $gather, $camera)| $body
+            )
+        }
     }};
 }

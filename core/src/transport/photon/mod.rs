@@ -8,15 +8,26 @@
 //! A hit is taken in two steps, so that whoever drives the photons may order them in between: [`PhotonTracer::land`] tells the surface and what arrives
 //! there, [`PhotonTracer::scatter`] sends the photon on and tells the chance with which it should survive.
 //!
+//! Where light is changed on its way, or passes surfaces, photons carry what they need to know of the media they fly through ([`Way`]): flights end in a medium by its extinction, panes and dielectrics
+//! send them on, and none of these is a place where they land ([`through`]).
+//!
 //! Starts: [`LightPlan`] picks a light by flux, the classical way ([`crate::light::emit`]); [`super::first_shot`] starts on lit surfaces.
 
+mod through;
+
+pub use through::{Through, Way};
+
+use super::first_shot::Look;
+use super::volume::{LightMedia, boundaries::resolve};
 use super::{Surface, surface_at};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Hit, Intersector, Ray};
 use crate::light::emit;
 use crate::math::{self, Vec3};
 use crate::sampling::discrete::{IntegerCdf, WeightError};
+use crate::sampling::numbers::Numbers;
 use crate::scene::{CompiledScene, NO_INDEX};
 use alloc::vec::Vec;
+use core::marker::PhantomData;
 
 /// Largest chance to survive a hit, so that walks end even in a closed room of albedo 1.
 const SURVIVAL_MAX: f32 = 0.95;
@@ -40,9 +51,9 @@ pub enum Sequence {
     Random,
 }
 
-/// A photon between two hits, or at one.
+/// A photon between two hits, or at one; `W`: what it knows of its way.
 #[derive(Clone, Copy, Debug)]
-pub struct Photon {
+pub struct Photon<W = ()> {
     /// Flux per channel \[W\], as if it were the only photon.
     pub flux: Vec3,
     /// Where it flies.
@@ -57,6 +68,8 @@ pub struct Photon {
     pub caustic: bool,
     /// Whether it survives its first hit whatever the albedo, and is weighted by it instead.
     pub survives_first: bool,
+    /// What it knows of its way.
+    pub way: W,
 }
 
 impl Photon {
@@ -71,7 +84,15 @@ impl Photon {
             registers_first: true,
             caustic: false,
             survives_first: false,
+            way: (),
         }
+    }
+
+    /// The same photon, which knows this of its way.
+    #[inline]
+    pub fn along<W>(self, way: W) -> Photon<W> {
+        let Self { flux, ray, hits, light, registers_first, caustic, survives_first, way: () } = self;
+        Photon { flux, ray, hits, light, registers_first, caustic, survives_first, way }
     }
 }
 
@@ -89,7 +110,7 @@ pub struct Arrival {
 /// What emits in a scene, and how often each is picked: by its mean flux.
 #[derive(Clone, Debug)]
 pub struct LightPlan {
-    /// Lights, then the environment.
+    /// Lights, then the environment, then media that emit.
     cdf: IntegerCdf,
     fluxes: Vec<Vec3>,
     sphere: (Vec3, f32),
@@ -103,7 +124,7 @@ impl LightPlan {
     pub fn new(scene: &CompiledScene) -> Result<Self, WeightError> {
         let sphere = scene.bounding_sphere();
         // Without an environment its flux is 0, and it is never picked.
-        let fluxes: Vec<Vec3> = (0..=scene.lights.len()).map(|i| emit::entry_flux(scene, i)).collect();
+        let fluxes: Vec<Vec3> = (0..emit::entries(scene)).map(|i| emit::entry_flux(scene, i)).collect();
         let weights: Vec<f32> = fluxes.iter().map(|f| math::mean(*f)).collect();
         Ok(Self { cdf: IntegerCdf::try_new(&weights)?, fluxes, sphere })
     }
@@ -119,35 +140,103 @@ impl LightPlan {
         self.cdf.cumulative().len() > 1
     }
 
-    /// A photon from the light that the word `pick` chooses, its flux divided by the chance of that light. The first arrival from a light without size does not
+    /// A photon from the light that the word `pick` chooses, its flux divided by the chance of that light, and the number of the light. The first arrival from a light without size does not
     /// count unless `registers_direct`.
     #[inline]
-    pub fn start(&self, scene: &CompiledScene, pick: u32, u: [f32; 4], registers_direct: bool) -> Photon {
+    pub fn start(
+        &self,
+        scene: &CompiledScene,
+        pick: u32,
+        u: [f32; 4],
+        registers_direct: bool,
+    ) -> (Photon, u32) {
         let pick = self.cdf.pick(pick);
         let (emission, point_like) = emit::emit_entry(scene, pick.index as usize, self.sphere, u);
         let photon = Photon::new(emission.ray, emission.flux / pick.pmf);
-        Photon { registers_first: registers_direct || !point_like, caustic: point_like, ..photon }
+        (
+            Photon { registers_first: registers_direct || !point_like, caustic: point_like, ..photon },
+            pick.index,
+        )
     }
 }
 
-/// The walk, with the code that a scene needs (see [`super::TransportCode`]).
+/// The walk, with the code that a scene needs (see [`super::TransportCode`]); `W`: what photons know of their way.
 #[derive(Clone, Copy, Debug)]
-pub struct PhotonTracer<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
+pub struct PhotonTracer<'a, W, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
     scene: &'a CompiledScene,
+    lights: &'a LightMedia,
     max_hits: u32,
+    way: PhantomData<W>,
 }
 
-impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
-    PhotonTracer<'a, LOBES, TEXTURES, SHADING>
+/// Of photons that meet surfaces alone.
+pub type SurfacePhotons<'a, const L: bool, const T: bool, const S: bool> = PhotonTracer<'a, (), L, T, S>;
+
+impl<'a, W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
+    PhotonTracer<'a, W, LOBES, TEXTURES, SHADING>
 {
-    /// A tracer of photons that arrive at most `max_hits` times.
-    pub fn new(scene: &'a CompiledScene, max_hits: u32) -> Self {
-        Self { scene, max_hits }
+    /// A tracer of photons that arrive, or are sent on by what they pass, at most `max_hits` times; `lights`: the media that lights send into.
+    pub fn new(scene: &'a CompiledScene, max_hits: u32, lights: &'a LightMedia) -> Self {
+        Self { scene, lights, max_hits, way: PhantomData }
+    }
+
+    /// A photon that has just left entry `index` of what emits, as number `id` of those that are told apart. `random`: independent numbers.
+    #[inline(always)]
+    pub fn begin<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        photon: Photon,
+        (index, id): (u32, u32),
+        random: &Numbers,
+    ) -> Photon<W> {
+        if W::VOLUME {
+            return self.begin_through(intersector, photon, (index, id), random);
+        }
+        photon.along(W::default())
+    }
+
+    /// A photon as number `id` that has started on a surface, with what the way from its light to its place leaves of it, and the media there; `look`: the way.
+    #[inline(never)]
+    pub fn land_straight<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        photon: Photon,
+        hit: &Hit,
+        (look, id): (&Look, u32),
+        rays: &mut u64,
+    ) -> Photon<W> {
+        let place = (photon.ray.origin, look.normal);
+        let (straight, took) =
+            self.lights.straight(self.scene, intersector, look.light as usize, &look.ray, place);
+        *rays += took;
+        let flux = photon.flux * look.through(&straight);
+        let mut photon = Photon { flux, ..photon }.along(W::new(straight.inside, id));
+        let beyond = resolve(self.scene, &photon.ray, *hit, straight.inside).1;
+        if let Some(way) = photon.way.through() {
+            way.beyond = beyond;
+        }
+        photon
+    }
+
+    /// Where a photon lands. `random`: independent numbers, for what happens on its way. `None` ends the walk.
+    #[inline(always)]
+    pub fn fly<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        photon: &mut Photon<W>,
+        random: &Numbers,
+        rays: &mut u64,
+    ) -> Option<Hit> {
+        if W::VOLUME {
+            return self.fly_through(intersector, photon, random, rays);
+        }
+        *rays += 1;
+        intersector.closest_hit(&photon.ray)
     }
 
     /// The surface at which a photon is, and what arrives there if that counts. `None` ends the walk.
     #[inline(always)]
-    pub fn land(&self, photon: &Photon, hit: &Hit) -> Option<(Surface, Option<Arrival>)> {
+    pub fn land(&self, photon: &Photon<W>, hit: &Hit) -> Option<(Surface, Option<Arrival>)> {
         if photon.hits >= self.max_hits {
             return None;
         }
@@ -166,12 +255,17 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     /// The chance keeps the mean of the channels that are carried, so that no channel ever exceeds three times the start's mean. The mean of
     /// the weight would not do: where one channel survives best, its share of the flux grows, and its variance without bound.
     #[inline(always)]
-    pub fn scatter(&self, photon: &mut Photon, surface: &Surface, u: [f32; 2], lobe: f32) -> f32 {
+    pub fn scatter(&self, photon: &mut Photon<W>, surface: &Surface, u: [f32; 2], lobe: f32) -> f32 {
         photon.hits += 1;
         if photon.hits >= self.max_hits {
             return 0.0;
         }
-        let Some((wi, weight, mirrored)) = self.leave(surface, u, lobe) else { return 0.0 };
+        let left = if W::VOLUME {
+            self.leave_through(photon, surface, u, lobe)
+        } else {
+            self.leave(surface, u, lobe)
+        };
+        let Some((wi, weight, mirrored)) = left else { return 0.0 };
         photon.caustic &= LOBES && mirrored;
         let (before, after) = (math::mean(photon.flux).abs(), photon.flux * weight);
         photon.flux = after;
@@ -203,11 +297,17 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 }
 
-/// Runs `$body` with `$tracer` bound to the photon tracer that has just the code that `$code` names.
+/// Runs `$body` with `$tracer` bound to the photon tracer that has just the code that `$code` names; `$lights`: the media that lights send into.
 #[macro_export]
 macro_rules! with_photon_tracer {
-    ($code:expr, $scene:expr, $max_hits:expr, |$tracer:ident| $body:expr) => {{
-        use $crate::transport::photon::PhotonTracer;
-        $crate::with_transport_code!($code, |$tracer = PhotonTracer($scene, $max_hits)| $body)
+    ($code:expr, ($scene:expr, $max_hits:expr, $lights:expr), |$tracer:ident| $body:expr) => {{
+        use $crate::transport::photon::{PhotonTracer, SurfacePhotons, Through};
+        if $scene.needs.volume() {
+            // One instance: what else a scene does not need costs little beside flights.
+            let $tracer = PhotonTracer::<Through, true, true, true>::new($scene, $max_hits, $lights);
+            $body
+        } else {
+            $crate::with_transport_code!($code, |$tracer = SurfacePhotons($scene, $max_hits, $lights)| $body)
+        }
     }};
 }
