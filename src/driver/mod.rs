@@ -7,6 +7,7 @@
 #![allow(clippy::disallowed_methods, reason = "estimates of error for people, in f64: no kernel")]
 
 mod map;
+mod meter;
 #[cfg(feature = "io")]
 mod operator_file;
 mod photon;
@@ -23,6 +24,7 @@ use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
 pub use map::MapValues;
+pub use meter::{Meter, MeterMethod, meters};
 #[cfg(feature = "io")]
 pub use operator_file::{OpenError, open_operator, operator_file};
 pub use photon::{

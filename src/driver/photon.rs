@@ -122,7 +122,7 @@ pub fn photons_per_block(budget: Budget, count: u64) -> u32 {
 }
 
 impl GatherSettings {
-    fn job(&self, path: &PathJob, budget: Budget) -> GatherJob {
+    pub(super) fn job(&self, path: &PathJob, budget: Budget) -> GatherJob {
         GatherJob {
             path: path.clone(),
             photons: photons_per_block(budget, self.count),

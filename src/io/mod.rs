@@ -50,7 +50,7 @@ pub use operator::{
     OperatorFile, OperatorInfo, encode_operator, parse_operator, read_operator, write_operator,
 };
 pub use ply::{parse_ply, write_ply};
-pub use points::{Probe, parse_points, read_points, write_points};
+pub use points::{MeterReading, Probe, parse_points, read_points, write_meters, write_points};
 pub use scene::{LoadedScene, load_scene, parse_mesh_scene, parse_scene_toml};
 pub use source::{DiskSource, FileSource, MemorySource};
 pub use volume::{Volume, encode_vol, parse_vol, read_vol, write_vol};

@@ -84,6 +84,37 @@ pub fn parse_points(bytes: &[u8], file: &Path) -> Result<Vec<Probe>, LoadError> 
     Ok(document.probes)
 }
 
+/// Irradiance over a whole surface.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeterReading {
+    /// The material whose surfaces they are.
+    pub surface: String,
+    /// At their fronts or at their backs.
+    pub side: &'static str,
+    /// Area \[m^2\].
+    pub area: f64,
+    /// Mean irradiance, direct and indirect \[W/m^2\] per channel.
+    #[serde(rename = "E")]
+    pub irradiance: [f32; 3],
+    /// Standard error of `irradiance`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stderr: Option<[f32; 3]>,
+}
+
+/// Writes readings of meters, one a line: `{"meters": [...]}`. Refuses numbers that are not finite, for JSON has none.
+pub fn write_meters(path: &Path, readings: &[MeterReading]) -> Result<(), SaveError> {
+    let mut text = String::from("{\"meters\": [\n");
+    for (i, r) in readings.iter().enumerate() {
+        if !r.irradiance.iter().chain(r.stderr.iter().flatten()).all(|x| x.is_finite()) {
+            return Err(SaveError::new(path, format!("meter {} holds a number that is not finite", i + 1)));
+        }
+        text += &serde_json::to_string(r).map_err(|e| SaveError::new(path, e))?;
+        text += if i + 1 < readings.len() { ",\n" } else { "\n" };
+    }
+    text += "]}\n";
+    write_whole(path, text.as_bytes())
+}
+
 /// Writes a list of points, one a line. The same list gives the same bytes; numbers are the shortest that read
 /// back as the same f32. Refuses numbers that are not finite, for JSON has none.
 pub fn write_points(path: &Path, probes: &[Probe]) -> Result<(), SaveError> {
