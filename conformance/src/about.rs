@@ -88,6 +88,8 @@ fn words(kernel: Kernel) -> (&'static str, &'static str) {
         K::EvalPhase => ("unit vectors, g -0.99 to 0.9999", "Henyey and Greenstein 1941"),
         K::SamplePhase => ("unit vector, g -0.99 to 0.9999, u in [0, 1)^2", "inverse of its distribution"),
         K::Transmittance => ("sigma 0 to 1e4 / m, lengths 1e-6 to 1e3 m", "Bouguer 1729"),
+        K::GridAt => ("grids of up to 459 values, turned too", "trilinear between the centres of cells"),
+        K::GridOpticalLength => ("ways of 1 cm to 10 km through such grids", "`core::medium::grid`"),
         K::FresnelDielectric => ("cosines 0 to 1, ratios 0.3 to 3", "Fresnel 1823"),
         K::FresnelConductor => ("cosines 0 to 1, eta 0.02 to 10, k 0 to 20", "Fresnel 1823, complex index"),
         K::SampleLight => ("every kind of light, near and far", "`core::light`"),

@@ -9,6 +9,7 @@ mod bc1;
 mod emission;
 mod emit;
 mod first_shot;
+mod grid;
 mod lights;
 mod linear_triangle;
 mod log_offset;
@@ -366,6 +367,7 @@ pub fn inputs(kernel: Kernel, count: usize) -> Vec<Batch> {
             "polynomial" => polynomial::inputs(kernel, count, r),
             "first_shot" => first_shot::inputs(kernel, count, r),
             "emit" => emit::inputs(kernel, count, r),
+            "grid" => grid::inputs(kernel, count, r),
             _ => Vec::new(),
         },
     }

@@ -130,6 +130,8 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
         K::EvalPhase => float("u", 12.0, "a sum of squares to the power of 3/2"),
         K::SamplePhase => float("u", 8.0, CONDITION),
         K::Transmittance => float("u", 3.0, CONDITION),
+        K::GridAt => float("u", 4.0, CONDITION),
+        K::GridOpticalLength => float("u", 4.0, CONDITION),
         K::FresnelDielectric => float("u", 8.0, CONDITION),
         K::FresnelConductor => float("u", 8.0, CONDITION),
         K::SampleLight => float("u", 16.0, CONDITION),

@@ -118,6 +118,16 @@ const KERNEL_MUTANTS: &[Mutant] = &[
         out.iter_mut().for_each(|x| *x ^= 1 << 31);
     }),
     ("no absorption", Kernel::Transmittance, |_, _, out| out.fill(1.0_f32.to_bits())),
+    ("a grid a quarter of a cell off", Kernel::GridAt, |constants, item, out| {
+        let mut moved = item.to_vec();
+        moved[0] = (float(item[0]) + 0.25 / float(constants[4])).to_bits();
+        kernel::evaluate(Kernel::GridAt, constants, &moved, out).expect("same lengths");
+    }),
+    ("the value where a way begins for its mean", Kernel::GridOpticalLength, |constants, item, out| {
+        kernel::evaluate(Kernel::GridAt, constants, &item[..3], out).expect("same lengths");
+        scale(out, float(item[6]));
+    }),
+    ("one step in a hundred forgotten", Kernel::GridOpticalLength, |_, _, out| scale(out, 0.99)),
     ("Schlick for Fresnel", Kernel::FresnelDielectric, |_, item, out| {
         let (cos, ratio) = (float(item[0]), float(item[1]));
         out[0] = etendue_core::bsdf::fresnel::schlick(cos, ratio).to_bits();

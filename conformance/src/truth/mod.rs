@@ -14,6 +14,7 @@ pub mod empty_box;
 mod facets;
 mod first_shot;
 mod geometry;
+mod grid;
 mod light;
 mod linear_triangle;
 mod log_offset;
@@ -126,6 +127,7 @@ pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> Answer {
         K::SampleLight | K::PdfLight | K::PowerHeuristic | K::CameraRay | K::ToneDisplay => {
             light::truth(kernel, constants, &mut r)
         }
+        K::GridAt | K::GridOpticalLength => grid::truth(kernel, constants, &mut r),
         K::SrgbDecode | K::SampleBitmap => light::image(kernel, constants, &mut r),
         K::U32ToUnit
         | K::CounterBits4

@@ -187,6 +187,11 @@ kernels! {
     SamplePhase = "phase::sample", exact(0, 6, 3);
     /// sigma_t (vec3), length -> transmittance (vec3).
     Transmittance = "flight::transmittance", exact(0, 4, 3);
+    // A grid is its size (3), channels (1 or 3), three rows of the map to cells (4 each), and its values.
+    /// grid | point (vec3) -> value (vec3).
+    GridAt = "grid::at", table(16, 3, 3);
+    /// grid | origin, unit direction (vec3 each), length -> integral of the value (vec3).
+    GridOpticalLength = "grid::optical_length", table(16, 7, 3);
     /// cosine, ratio of indices -> reflectance.
     FresnelDielectric = "fresnel::dielectric", exact(0, 2, 1);
     /// cosine, eta, k -> reflectance.

@@ -3,6 +3,7 @@
 mod bc1;
 mod emission;
 mod first_shot;
+mod grid;
 mod linear_triangle;
 mod log_offset;
 mod polynomial;
@@ -128,6 +129,7 @@ struct Shared<'a> {
     constants: &'a [u32],
     seed: u64,
     decode: Vec<f32>,
+    grid: Option<grid::Owned>,
 }
 
 fn shared(kernel: Kernel, constants: &[u32]) -> Shared<'_> {
@@ -137,7 +139,8 @@ fn shared(kernel: Kernel, constants: &[u32]) -> Shared<'_> {
     } else {
         Vec::new()
     };
-    Shared { constants, seed: at(0) | at(1) << 32, decode }
+    let grid = if kernel.module() == "grid" { grid::Owned::new(constants) } else { None };
+    Shared { constants, seed: at(0) | at(1) << 32, decode, grid }
 }
 
 /// Evaluates a kernel over a batch, one item after the other.
@@ -173,6 +176,7 @@ fn evaluator(kernel: Kernel) -> Evaluator {
         "bc1" | "bc4" => bc1::one,
         "polynomial" => polynomial::one,
         "first_shot" | "emit" => first_shot::one,
+        "grid" => grid::one,
         _ => one,
     }
 }

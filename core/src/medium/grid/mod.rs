@@ -84,7 +84,13 @@ impl<'a> Grid<'a> {
         let count = nx * ny * nz * record.channels as usize;
         let values = scene.grid_values.get(record.first_value as usize..)?.get(..count)?;
         let majorants = scene.grid_values.get(record.first_majorant as usize..)?.get(..bx * by * bz)?;
-        Some(Self { record, values, majorants })
+        Some(Self::of(record, values, majorants))
+    }
+
+    /// Of its parts: as many values as the record says, and the largest of each block ([`majorants`]).
+    #[inline]
+    pub(crate) fn of(record: &'a GridRecord, values: &'a [f32], majorants: &'a [f32]) -> Self {
+        Self { record, values, majorants }
     }
 
     /// Whether each channel has values of its own.
