@@ -79,7 +79,7 @@ impl BidirectionalJob {
     /// What is asked of the estimator.
     pub fn settings(&self) -> bidirectional::Settings {
         let Self { path, heuristic, only } = self;
-        bidirectional::Settings { max_depth: path.max_depth, heuristic: *heuristic, only: *only }
+        bidirectional::Settings::new(path.max_depth, *heuristic, *only)
     }
 }
 

@@ -71,16 +71,35 @@ pub(super) fn emission(
     (Vec3::from_array(light.radiance), weight)
 }
 
-/// Throughput after a scattering that multiplies it by `weight`, if the path survives: from the fifth edge on with the chance of the weight's largest channel, at most
-/// 0.95. `depth`: edges before it.
-#[inline(always)]
-pub(super) fn roulette(throughput: Vec3, weight: Vec3, depth: u32, survive: f32) -> Option<Vec3> {
-    let after = throughput * weight;
-    if depth + 1 < ROULETTE_FROM {
-        return (after != Vec3::ZERO).then_some(after);
+/// Whether paths end by chance. They always do but for tests, which compare that with paths that end by absorption and depth alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Roulette {
+    /// Number of edges after which it begins.
+    from: u32,
+}
+
+impl Roulette {
+    pub(crate) const ON: Self = Self { from: ROULETTE_FROM };
+    #[cfg(test)]
+    pub(crate) const OFF: Self = Self { from: u32::MAX };
+
+    /// Anything is left to chance.
+    #[inline(always)]
+    pub(super) fn is_on(self) -> bool {
+        self.from != u32::MAX
     }
-    let q = math::max_component(weight).min(SURVIVAL_MAX);
-    (survive < q).then(|| after / q)
+
+    /// Throughput after a scattering that multiplies it by `weight`, if the path survives: from the fifth edge on with the chance of the weight's largest channel, at
+    /// most 0.95. `depth`: edges before it.
+    #[inline(always)]
+    pub(super) fn play(self, throughput: Vec3, weight: Vec3, depth: u32, survive: f32) -> Option<Vec3> {
+        let after = throughput * weight;
+        if depth + 1 < self.from {
+            return (after != Vec3::ZERO).then_some(after);
+        }
+        let q = math::max_component(weight).min(SURVIVAL_MAX);
+        (survive < q).then(|| after / q)
+    }
 }
 
 /// What a path or walk carries from where its colours part: one of them, which stands for all three.

@@ -12,6 +12,8 @@ pub mod path;
 mod paths;
 pub mod photon;
 mod surface;
+#[cfg(test)]
+mod tests;
 pub mod volume;
 
 use crate::geometry::{Hit, Intersector, Ray};

@@ -7,7 +7,7 @@
 //! channel), at most 0.95, so that paths end even in a closed room of albedo 1. Unbiased for what surfaces carry, up to
 //! `max_depth`.
 
-use super::back::{NO_RAY, camera_ray, emission, roulette, white_surface};
+use super::back::{NO_RAY, Roulette, camera_ray, emission, white_surface};
 use super::paths::{Paths, ProbeStart};
 use super::{Answer, Query, Surface, mis, surface_at};
 use crate::geometry::{Hit, Ray};
@@ -21,6 +21,7 @@ use crate::scene::CompiledScene;
 pub struct PathTracer<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
     scene: &'a CompiledScene,
     max_depth: u32,
+    pub(super) roulette: Roulette,
 }
 
 /// One path between two rays.
@@ -50,7 +51,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
 {
     /// A tracer of paths with at most `max_depth` edges.
     pub fn new(scene: &'a CompiledScene, max_depth: u32) -> Self {
-        Self { scene, max_depth }
+        Self { scene, max_depth, roulette: Roulette::ON }
     }
 
     /// The path has reached a surface, or nothing.
@@ -100,7 +101,9 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         s: &crate::bsdf::BsdfSample,
         survive: f32,
     ) {
-        let Some(throughput) = roulette(state.throughput, s.weight, state.depth, survive) else { return };
+        let Some(throughput) = self.roulette.play(state.throughput, s.weight, state.depth, survive) else {
+            return;
+        };
         state.throughput = throughput;
         state.pdf = s.pdf;
         state.vertex = surface.leave(s.wi);

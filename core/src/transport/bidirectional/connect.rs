@@ -259,7 +259,8 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         let weight = if known { self.weight(&state.links, &ends, 1.0) } else { 1.0 };
         let brings = math::mean(carried) * weight;
         let enough = SMALL * math::mean(state.radiance);
-        if brings < enough && pixel.is_none() && self.settings.only.is_none() {
+        let by_chance = self.settings.only.is_none() && self.settings.roulette.is_on();
+        if brings < enough && pixel.is_none() && by_chance {
             let chance = brings / enough;
             let number = (ends[0].map_or(0, |e| e.index) << 12).wrapping_add(state.vertex.index);
             let [u, _] = state.sampler.group2(CHANCE_GROUPS + number);

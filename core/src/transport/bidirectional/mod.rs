@@ -19,7 +19,7 @@ mod weight;
 pub use splats::SplatUnit;
 pub use weight::{CUTOFF, Heuristic, VERTICES_MAX};
 
-use super::back::{BlockSum, NO_RAY, camera_ray, white_surface};
+use super::back::{BlockSum, NO_RAY, Roulette, camera_ray, white_surface};
 use super::paths::ProbeStart;
 use super::volume::{Surroundings, lead};
 use super::{Answer, Query, ask};
@@ -54,9 +54,16 @@ pub struct Settings {
     pub heuristic: Heuristic,
     /// One strategy alone, (s, t) vertices from the light and from the sensor, without weights: to see that each is right by itself.
     pub only: Option<[u32; 2]>,
+    /// Whether walks end and joints are left out by chance.
+    pub(crate) roulette: Roulette,
 }
 
 impl Settings {
+    /// By all strategies, or one alone.
+    pub fn new(max_depth: u32, heuristic: Heuristic, only: Option<[u32; 2]>) -> Self {
+        Self { max_depth, heuristic, only, roulette: Roulette::ON }
+    }
+
     /// Weights are by lists of all strategies.
     #[inline]
     fn lists(&self) -> bool {

@@ -429,7 +429,7 @@ fn weights_are_shares_of_densities_and_add_up_to_one() {
         // The rectangle's front is where its light goes.
         for heuristic in [Heuristic::Power, Heuristic::Balance, Heuristic::Cutoff(0.1)] {
             for n in 0..400 {
-                let settings = Settings { max_depth: u32::MAX, heuristic, only: None };
+                let settings = Settings::new(u32::MAX, heuristic, None);
                 let path = path(&scene, n, settings);
                 let densities = path.densities();
                 let share = |p: &f64| match heuristic {

@@ -9,7 +9,7 @@ use crate::math::{self, Vec3};
 use crate::medium::{Inside, Medium};
 use crate::sampling::sobol::BlockSampler;
 use crate::scene::material_flags;
-use crate::transport::back::{NO_RAY, one_colour, roulette};
+use crate::transport::back::{NO_RAY, one_colour};
 use crate::transport::volume::{CROSSINGS_MAX, boundaries::resolve};
 use crate::transport::{Surface, surface_at};
 
@@ -208,7 +208,9 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         let Some((s, left)) = vertex.sample::<LOBES, DETAIL>(walk.from, [u, v], lobe) else { return false };
         // The roulette is about what is absorbed: the squared index comes back when light leaves.
         let squared = if LOBES { vertex.index_ratio_squared(walk.from, s.wi) } else { 1.0 };
-        let Some(carried) = roulette(vertex.carried, s.weight * squared, vertex.edges, survive) else {
+        let Some(carried) =
+            self.settings.roulette.play(vertex.carried, s.weight * squared, vertex.edges, survive)
+        else {
             return false;
         };
         walk.carried = if LOBES { carried / squared } else { carried };
@@ -276,7 +278,9 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         }
         // The roulette is about what is absorbed: the squared index comes back when light leaves.
         let absorbed = if passage.through { Vec3::ONE } else { weight };
-        let Some(carried) = roulette(walk.carried, absorbed, walk.edges, survive) else { return Step::Over };
+        let Some(carried) = self.settings.roulette.play(walk.carried, absorbed, walk.edges, survive) else {
+            return Step::Over;
+        };
         walk.carried = if passage.through { carried * weight } else { carried };
         if passage.through {
             walk.inside = beyond;

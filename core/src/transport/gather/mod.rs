@@ -34,7 +34,7 @@
 
 mod through;
 
-use super::back::{BlockSum, NO_RAY, camera_ray, emission, roulette, white_surface};
+use super::back::{BlockSum, NO_RAY, Roulette, camera_ray, emission, white_surface};
 use super::volume::Vertex;
 use super::{Surface, mis, surface_at};
 use crate::bsdf::{Interface, diffuse, phong};
@@ -439,7 +439,9 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHAD
         if SHADING && wi.dot(surface.geometric) <= 0.0 {
             return false;
         }
-        let Some(throughput) = roulette(walk.throughput, weight, walk.depth, survive) else { return false };
+        let Some(throughput) = Roulette::ON.play(walk.throughput, weight, walk.depth, survive) else {
+            return false;
+        };
         walk.throughput = throughput;
         walk.pdf = pdf;
         walk.vertex = surface.leave(wi);

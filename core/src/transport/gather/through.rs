@@ -7,7 +7,7 @@ use crate::light::{self, LightSample};
 use crate::math::{INV_PI, Vec3};
 use crate::medium::{Inside, Medium};
 use crate::scene::material_flags;
-use crate::transport::back::{one_colour, roulette};
+use crate::transport::back::{Roulette, one_colour};
 use crate::transport::volume::{CROSSINGS_MAX, Followed, Vertex, boundaries::resolve};
 use crate::transport::{Surface, mis, surface_at};
 
@@ -143,7 +143,9 @@ impl<const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHADING:
         // The roulette is about what is absorbed: the squared index comes back when light leaves.
         let absorbed = if passage.through { Vec3::ONE } else { passage.weight };
         let [.., survive] = walk.sampler.group4(2 + 2 * walk.depth);
-        let Some(throughput) = roulette(walk.throughput, absorbed, walk.depth, survive) else { return false };
+        let Some(throughput) = Roulette::ON.play(walk.throughput, absorbed, walk.depth, survive) else {
+            return false;
+        };
         walk.throughput = if passage.through { throughput * passage.weight } else { throughput };
         walk.pdf = 0.0;
         walk.vertex = surface.leave(passage.wi);
@@ -203,7 +205,8 @@ impl<const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHADING:
         let Some(s) = vertex.sample::<SHADING>([u, v], lobe) else { return false };
         // The roulette is about what is absorbed: the squared index comes back when light leaves.
         let squared = vertex.index_ratio_squared(s.wi);
-        let Some(throughput) = roulette(walk.throughput, s.weight * squared, walk.depth, survive) else {
+        let Some(throughput) = Roulette::ON.play(walk.throughput, s.weight * squared, walk.depth, survive)
+        else {
             return false;
         };
         walk.throughput = throughput / squared;

@@ -18,7 +18,7 @@ pub(super) use way::lead;
 
 pub use boundaries::{Surroundings, inside_at, inside_of_probe, probe_starts};
 
-use super::back::{NO_RAY, camera_ray, emission, one_colour, roulette, white_surface};
+use super::back::{NO_RAY, Roulette, camera_ray, emission, one_colour, white_surface};
 use super::paths::{Paths, ProbeStart};
 use super::{Answer, Query, Surface, mis, surface_at};
 use crate::bsdf::{BsdfSample, Interface};
@@ -46,6 +46,7 @@ pub struct VolumeTracer<'a, const LOBES: bool, const TEXTURES: bool, const SHADI
     max_depth: u32,
     /// What the camera stands in.
     camera: Inside,
+    pub(super) roulette: Roulette,
 }
 
 /// One path between two rays.
@@ -112,7 +113,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
 {
     /// A tracer of paths with at most `max_depth` edges; `camera`: what the camera stands in.
     pub fn new(scene: &'a CompiledScene, max_depth: u32, camera: Inside) -> Self {
-        Self { scene, max_depth, camera }
+        Self { scene, max_depth, camera, roulette: Roulette::ON }
     }
 
     /// The path's ray has reached a surface, or nothing.
@@ -208,7 +209,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         }
         // The roulette is about what is absorbed: the squared index comes back when light leaves.
         let absorbed = if passage.through { Vec3::ONE } else { passage.weight };
-        let Some(throughput) = roulette(state.throughput, absorbed, state.depth, survive) else {
+        let Some(throughput) = self.roulette.play(state.throughput, absorbed, state.depth, survive) else {
             return Query::Done;
         };
         state.throughput = if passage.through { throughput * passage.weight } else { throughput };
@@ -248,7 +249,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         // The roulette is about what is absorbed: the squared index comes back when light leaves.
         let kept = |s: &BsdfSample| {
             let squared = if LOBES { vertex.index_ratio_squared(s.wi) } else { 1.0 };
-            Some((roulette(state.throughput, s.weight * squared, state.depth, survive)?, squared))
+            Some((self.roulette.play(state.throughput, s.weight * squared, state.depth, survive)?, squared))
         };
         if let Some(s) = vertex.sample::<SHADING>([u, v], lobe)
             && let Some((throughput, squared)) = kept(&s)
