@@ -72,6 +72,50 @@ fn all_walls_of_a_closed_room_balance_what_is_emitted() {
     }
 }
 
+/// What a lamp without size sends through glass is found by photons alone: the walls balance, with glass, a pane and a film before them.
+#[test]
+fn photons_find_what_comes_through_glass() {
+    let folder = Folder::new();
+    let glass = r#"
+[[shape]]
+kind = "sphere"
+center = [0.3, -0.5, 0.6]
+radius = 0.35
+material = "glass"
+
+[[shape]]
+kind = "rectangle"
+center = [-0.3, 0.6, 0.8]
+u = [0.4, 0, 0]
+v = [0, 0.1, 0.4]
+material = "film"
+
+[[material]]
+name = "glass"
+kind = "dielectric"
+ior = [1.4, 1.5, 1.6]
+
+[[material]]
+name = "film"
+kind = "thin_film"
+reflect = [0.2, 0.4, 0.6]
+transmit = [0.8, 0.6, 0.4]
+"#;
+    let scene = folder.write("glass.toml", &(ROOM.to_string() + glass));
+    let out = folder.arg("out.json");
+    for gather in ["--gather=true", "--gather=false"] {
+        let line = ["probe", &scene, "--surface", "wall:back", "-o", &out, "--method", "photon", gather];
+        run(&[&line[..], &["--photons", "1048576", "--samples", "16384", "--quiet"]].concat()).exits(0);
+        let v = read(&out);
+        for (c, (intensity, albedo)) in [(1.0, 0.5), (2.0, 0.25), (3.0, 0.75)].into_iter().enumerate() {
+            let truth = 4.0 * PI * intensity / (32.0 * (1.0 - albedo));
+            let [e, s] = ["E", "stderr"].map(|name| v["meters"][0][name][c].as_f64().unwrap());
+            println!("{gather} {c}: {e} +- {s}, truth {truth}");
+            assert!((e - truth).abs() <= 5.2 * s && s <= 0.02 * truth, "{gather} {c}: {e} +- {s}, {truth}");
+        }
+    }
+}
+
 #[test]
 fn the_front_of_a_box_in_the_dark_is_dark() {
     let folder = Folder::new();

@@ -4,19 +4,12 @@
 
 mod rooms;
 
-use etendue_core::backend::{
-    BidirectionalJob, GatherJob, NoControl, PathJob, PhotonStart, Session, image_film_settings,
-    probe_film_settings,
-};
-use etendue_core::film::Film;
+use etendue_core::backend::{GatherJob, PathJob, PhotonStart};
 use etendue_core::scene::{GridDesc, MaterialKind, MediumDesc, Roughness, SceneDesc, ShapeDesc, ShapeKind};
 use etendue_core::transport::first_shot::{Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
-use rooms::agree::{Z, assert_agree, check, check_image};
-use rooms::{
-    JOB, diffuse, gather_image, gather_probes, image_blocks, lamp, made_of, on_walls, point, results, room,
-    session, shape, spot, tiles,
-};
+use rooms::agree::{Truth, check, check_image_by_both_ends};
+use rooms::{JOB, diffuse, gather_probes, lamp, made_of, on_walls, point, room, session, shape, spot};
 
 fn filled(kind: ShapeKind, material: &str, interior: &str) -> ShapeDesc {
     ShapeDesc { interior: interior.into(), ..shape(kind, material) }
@@ -36,22 +29,18 @@ fn foggy() -> SceneDesc {
     desc
 }
 
+/// However photons start and in whatever order they walk; and without a gather, where elements show their means.
 #[test]
 fn fog_up_to_the_walls() {
-    check("fog", &foggy(), &GatherJob { photons: 1 << 15, ..JOB });
-}
-
-#[test]
-fn photons_one_by_one_go_the_same_ways() {
-    check("fog", &foggy(), &GatherJob { photons: 1 << 15, sequence: Sequence::Sobol, ..JOB });
-}
-
-#[test]
-fn photons_start_on_surfaces_in_fog() {
+    let truth = Truth::by_paths(&foggy());
+    let job = GatherJob { photons: 1 << 15, ..JOB };
+    truth.check("fog", &job, 0.01);
+    truth.check("one by one", &GatherJob { sequence: Sequence::Sobol, ..job.clone() }, 0.01);
     for weights in [Weights::EXACT, Weights::Density] {
         let start = PhotonStart::Surfaces { subdivision: Subdivision::robust(weights), weights };
-        check(&format!("{weights:?}"), &foggy(), &GatherJob { photons: 1 << 15, start, ..JOB });
+        truth.check(&format!("{weights:?}"), &GatherJob { start, ..job.clone() }, 0.01);
     }
+    truth.check_image("read", &GatherJob { photons: 1 << 16, gather: false, ..JOB }, 0.04);
 }
 
 /// A cloud on a grid and a ball of dense fog that glows, lit from without.
@@ -74,7 +63,7 @@ fn clouds_and_fog_lit_from_without() {
     check("clouds", &desc, &GatherJob { photons: 1 << 15, ..JOB });
 }
 
-/// What light without size sends through glass only photons and walks from both ends find.
+/// What light without size sends through glass only photons and walks from both ends find; at a point, not even these: what arrives there is weighed in `illumination_media`.
 #[test]
 fn glass_and_panes_agree_with_paths_from_both_ends() {
     let mut desc = room([0.6, 0.5, 0.3], [0.0; 3]);
@@ -88,25 +77,7 @@ fn glass_and_panes_agree_with_paths_from_both_ends() {
     desc.shapes.push(shape(ShapeKind::Sphere { center: [0.3, -0.5, 0.3], radius: 0.35 }, "glass"));
     desc.shapes.push(shape(rectangle([-0.4, 0.1, 0.3], [0.4, 0.0, 0.0], [0.0, 0.0, 0.4]), "film"));
     desc.shapes.push(shape(rectangle([0.5, 0.3, 0.0], [0.0, 0.4, 0.0], [0.0, 0.0, 0.5]), "plate"));
-    let session = session(&desc, None);
-    let job = GatherJob { photons: 1 << 16, ..JOB };
-    let both = |path: &PathJob| BidirectionalJob::new(path.clone());
-    let probes = on_walls();
-    let paths = PathJob { seed: 11, block_length: 256, blocks: 0..64, max_depth: u32::MAX };
-    let mut truth = Film::new(probe_film_settings(session.scene(), &paths, probes.len()));
-    session.bidirectional_probes(&both(&paths), &probes, &NoControl, &mut truth).unwrap();
-    let found = results(&gather_probes(&session, &job, &probes));
-    assert_agree("glass, probes", &found, &results(&truth), Z, 0.02);
-    let paths = PathJob { seed: 12, block_length: 128, blocks: 0..16, max_depth: u32::MAX };
-    let truth = tiles(&image_blocks(&paths, |path| {
-        let mut film = Film::new(image_film_settings(session.scene(), path).unwrap());
-        session.bidirectional_image(&both(path), &NoControl, &mut film).unwrap();
-        film
-    }));
-    let found = tiles(&image_blocks(&job.path, |path| {
-        gather_image(&session, &GatherJob { path: path.clone(), ..job.clone() })
-    }));
-    assert_agree("glass, image", &found, &truth, Z, 0.03);
+    check_image_by_both_ends("glass", &desc, &GatherJob { photons: 1 << 16, ..JOB }, 0.02);
 }
 
 /// Finishes that send light on to both sides, in a fog and with another within.
@@ -129,13 +100,6 @@ fn rough_glass_and_films_that_scatter_in_fog() {
     let paper = ShapeKind::Rectangle { center: [0.4, -0.2, 0.3], u: [0.3, 0.1, 0.0], v: [0.0, 0.2, 0.3] };
     desc.shapes.push(shape(paper, "paper"));
     check("finishes", &desc, &GatherJob { photons: 1 << 15, ..JOB });
-}
-
-/// A map that is read as it is, without a gather: elements of a tenth of the room show their means.
-#[test]
-fn maps_are_read_through_fog() {
-    let session = session(&foggy(), None);
-    check_image("read", &session, &GatherJob { photons: 1 << 16, gather: false, ..JOB }, 0.04);
 }
 
 #[test]
