@@ -16,7 +16,7 @@ type V = [f64; 3];
 const STEPS: u32 = 256;
 /// What sums may be off; of coats, what their table of 16 transmittances may.
 const SUMS: f64 = 1e-4;
-const TABLES: f64 = 4e-3;
+const TABLES: f64 = 1e-3;
 
 fn dot(a: V, b: V) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

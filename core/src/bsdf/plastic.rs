@@ -48,9 +48,11 @@ fn over_facets(cos: f32, mut value: impl FnMut(Vec3, [f32; 2]) -> f32) -> f32 {
     let mut sum = math::Compensated::<f32>::new(0.0);
     let [rows, columns] = SEEN;
     for i in 0..rows {
+        // u = 1 - x^2, closely where facets are steep: what these send is hidden more and more, which equal steps of u would overlook by up to 0.2 %.
+        let x = (i as f32 + 0.5) / rows as f32;
         for j in 0..columns {
-            let u = [(i as f32 + 0.5) / rows as f32, 0.5 * (j as f32 + 0.5) / columns as f32];
-            sum.add(value(wo, u));
+            let u = [(1.0 - x) * (1.0 + x), 0.5 * (j as f32 + 0.5) / columns as f32];
+            sum.add(2.0 * x * value(wo, u));
         }
     }
     sum.value() / (rows * columns) as f32
