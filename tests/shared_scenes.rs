@@ -10,6 +10,8 @@ mod common;
 mod media;
 #[path = "shared_scenes/photons.rs"]
 mod photons;
+#[path = "shared_scenes/tungsten.rs"]
+mod tungsten;
 
 use common::shared_scenes;
 use etendue::core::backend::{Probe, Session};

@@ -138,3 +138,54 @@ fn shared_bitterli_cornell_box() {
 fn shared_bitterli_veach_bidir() {
     bitterli("veach-bidir", 32, [0.03, 0.5], Some(6), &[Method::Bdpt]);
 }
+
+/// Fog behind a null boundary by walks from both ends, at 1/`factor` of the reference's size; by paths alone it is beside the other closed boxes.
+fn closed_fog(factor: u32, samples: u64) -> Option<Metrics> {
+    let root = shared_scenes()?.join("closed_cornell");
+    let r = halved(&read_exr(&root.join("fog_ref.exr")).unwrap(), factor);
+    let keep = without_lamp(&r, 17.0);
+    let x = render(&root.join("fog.toml"), Method::Bdpt, Some([r.width, r.height]), samples, None);
+    let metrics = measure(&x, &r, None, Some(&keep));
+    check_means(&metrics);
+    Some(metrics)
+}
+
+#[test]
+fn shared_closed_cornell_fog_bdpt() {
+    closed_fog(2, 32);
+}
+
+#[test]
+#[ignore = "minutes: ETENDUE_SCENES=../shared/scenes cargo nextest run -p etendue -E 'test(shared_full_closed_cornell_fog_bdpt)' --run-ignored only"]
+fn shared_full_closed_cornell_fog_bdpt() {
+    let Some(metrics) = closed_fog(1, 256) else { return };
+    assert!((metrics.block_ratio[1] - 1.0).abs() <= 0.002, "{:?}", metrics.block_ratio);
+}
+
+/// Light that a ball of glass throws through gas. Tungsten's 6 bounces, of which the open front takes one, are 5 edges here: with 4 or 6 blocks are 25 % darker or
+/// 22 % brighter. The image is of the Mitsuba export's camera, not of the JSON's; its brightest points, lamp and caustic seen through the ball, are noise of the reference.
+fn volumetric_caustic(factor: u32, samples: u64, limits: [f64; 2]) {
+    let Some(root) = shared_scenes() else { return };
+    let root = root.join("bitterli/volumetric-caustic");
+    let r = halved(&read_exr(&root.join("TungstenRender.exr")).unwrap(), factor);
+    let json = std::fs::read_to_string(root.join("scene_tungsten.json")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("volumetric-caustic.toml");
+    std::fs::write(&file, tungsten::as_toml(&json, r.width, 19.5)).unwrap();
+    let x = render(&file, Method::Bdpt, None, samples, Some(5));
+    let metrics = measure(&x, &r, None, None);
+    let [low, median, high] = metrics.block_ratio;
+    assert!((median - 1.0).abs() <= limits[0], "{median}");
+    assert!(low >= 1.0 - limits[1] && high <= 1.0 + limits[1], "{low} {high}");
+}
+
+#[test]
+fn shared_bitterli_volumetric_caustic() {
+    volumetric_caustic(8, 32, [0.01, 0.08]);
+}
+
+#[test]
+#[ignore = "minutes: ETENDUE_SCENES=../shared/scenes cargo nextest run -p etendue -E 'test(shared_full_bitterli_volumetric_caustic)' --run-ignored only"]
+fn shared_full_bitterli_volumetric_caustic() {
+    volumetric_caustic(4, 64, [0.005, 0.03]);
+}
