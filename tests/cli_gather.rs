@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{FOG, Folder, closed_cornell, run};
+use common::{Folder, closed_cornell, endless_glow, run};
 use etendue::io::{RenderImage, read_exr, read_points};
 use serde_json::{Value, json};
 
@@ -153,8 +153,8 @@ fn what_maps_cannot_do_is_refused() {
         let name = option.split('=').next().unwrap();
         run(&["render", &scene, "-o", &exr, option]).exits(2).says(&[name, "--method photon"]);
     }
-    let fog = folder.write("fog.toml", FOG);
-    photon(&fog, &[]).exits(3).says(&["participating media", "method `photon`"]);
+    let glow = folder.write("glow.toml", &endless_glow());
+    photon(&glow, &[]).exits(3).says(&["media that emit light without bounds", "method `photon`"]);
     let camera = "[camera]\nposition = [0, 2, 0.1]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nfov_x_deg = 60\nresolution = [4, 4]\n";
     let floor = "[[shape]]\nkind = \"rectangle\"\ncenter = [0, 0, 0]\nu = [0, 0, 1]\nv = [1, 0, 0]\n";
     let dark = folder.write("dark.toml", &format!("{camera}{floor}"));

@@ -40,12 +40,12 @@ fn info_tells_what_a_scene_holds() {
     assert!(v["seconds"]["total"].as_f64().unwrap() >= 0.0);
     assert_eq!(v["camera"], json!({"width": 256, "height": 256}));
     assert_eq!(v["media"], json!(0));
-    assert_eq!(v["methods"], json!(["path", "photon", "radiosity"]));
+    assert_eq!(v["methods"], json!(["path", "bdpt", "photon", "radiosity"]));
     assert_eq!(v["needs"]["area_lights"], json!(true));
     assert_eq!(v["needs"]["media"], json!(false));
     assert!(v["lights"].as_object().unwrap().len() == 1, "{}", v["lights"]);
     let text = run(&["info", &closed_cornell()]).exits(0).stdout;
-    for word in ["lights", "camera  256 x 256", "methods  path, photon"] {
+    for word in ["lights", "camera  256 x 256", "methods  path, bdpt, photon"] {
         assert!(text.contains(word), "no `{word}` in\n{text}");
     }
     let silent = run(&["info", &closed_cornell(), "--quiet"]).exits(0);

@@ -19,6 +19,11 @@ fn constants(kernel: Kernel) -> Vec<u32> {
             (c[11], c[15]) = (4, 4);
             c
         }
+        // One cell of a metre at the origin, of value 1.
+        Kernel::GridAt | Kernel::GridOpticalLength => {
+            let row = |k: usize| [0, 1, 2, 3].map(|i| if i == k { one } else { 0 });
+            [[1; 4], row(0), row(1), row(2), [one; 4]].concat()
+        }
         // A patch that sees itself, area 1, three bounces.
         Kernel::PolynomialApply => vec![1, one],
         Kernel::PolynomialApplyHalf => vec![1, one, one],

@@ -189,4 +189,9 @@ interior = "fog"
 kind = "environment"
 radiance = [1, 1, 1]
 "#;
+
+    /// The same outside of the box, without end, and aglow.
+    pub fn endless_glow() -> String {
+        FOG.replace("sigma_a", "emission = [1, 1, 1]\nsigma_a").replace("interior", "exterior")
+    }
 }
