@@ -72,6 +72,61 @@ fn all_walls_of_a_closed_room_balance_what_is_emitted() {
     }
 }
 
+/// A sphere seen from inside and a disk in it, both white from one side or the other.
+#[test]
+fn round_surfaces_are_meters_too() {
+    let folder = Folder::new();
+    let scene = folder.write(
+        "ball.toml",
+        r#"
+[[shape]]
+kind = "sphere"
+center = [1, 2, 3]
+radius = 1.5
+material = "wall"
+
+[[shape]]
+kind = "disk"
+center = [1, 1.5, 3]
+normal = [0, 1, 0]
+radius = 0.5
+material = "table"
+
+[[light]]
+kind = "point"
+position = [1, 2, 3]
+intensity = [1, 2, 3]
+
+[[material]]
+name = "wall"
+kind = "diffuse"
+albedo = [0.5, 0.25, 0.75]
+
+[[material]]
+name = "table"
+kind = "diffuse"
+albedo = [1, 1, 1]
+"#,
+    );
+    let out = folder.arg("out.json");
+    let both = ["--surface", "wall:back", "--surface", "table"];
+    run(&[&["probe", &scene, "-o", &out, "--samples", "16384", "--quiet"][..], &both].concat()).exits(0);
+    let v = read(&out);
+    let (wall, disk) = (4.0 * PI * 2.25, PI * 0.25);
+    assert!((v["meters"][0]["area"].as_f64().unwrap() - wall).abs() < 1e-4);
+    assert!((v["meters"][1]["area"].as_f64().unwrap() - disk).abs() < 1e-5);
+    for (c, (intensity, albedo)) in [(1.0, 0.5), (2.0, 0.25), (3.0, 0.75)].into_iter().enumerate() {
+        let [e, s] = ["E", "stderr"].map(|name| v["meters"][0][name][c].as_f64().unwrap());
+        // The table loses nothing.
+        let truth = 4.0 * PI * intensity / (wall * (1.0 - albedo));
+        assert!((e - truth).abs() <= 5.2 * s && s <= 0.02 * truth, "{c}: {e} +- {s}, {truth}");
+        // What comes straight to the table, 2 pi I (1 - cos), and from the walls.
+        let e = v["meters"][1]["E"][c].as_f64().unwrap();
+        let straight = 2.0 * PI * intensity * (1.0 - 0.5 / 0.5_f64.hypot(0.5)) / disk;
+        assert!(e > straight && e < straight + 2.0 * truth, "{c}: {e}, {straight}");
+    }
+}
+
 /// What a lamp without size sends through glass is found by photons alone: the walls balance, with glass, a pane and a film before them.
 #[test]
 fn photons_find_what_comes_through_glass() {

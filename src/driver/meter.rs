@@ -5,8 +5,8 @@
 
 use super::{GatherSettings, Outcome, Settings, Watcher, both_ends, drive, even, first_job};
 use etendue_core::backend::{self, BackendError, JobStats, PathJob, Probe, Session};
+use etendue_core::direct::irradiance::place_on;
 use etendue_core::film::Film;
-use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
 use etendue_core::sampling::discrete::IntegerCdf;
 use etendue_core::sampling::numbers::Numbers;
 use etendue_core::scene::CompiledScene;
@@ -16,9 +16,6 @@ use etendue_core::transport::bidirectional::Heuristic;
 const SAMPLES: u32 = 4;
 /// Groups of numbers: the place, and away from those of photons.
 const PLACE_GROUP: u32 = 1 << 30;
-/// What is asked of elements: one a primitive.
-const WHOLE: ElementSettings =
-    ElementSettings { basis: Basis::Constant, sides: Sides::Together, largest: f32::INFINITY };
 
 /// A surface whose mean irradiance is asked for.
 #[derive(Clone, Debug)]
@@ -49,11 +46,11 @@ impl Meter {
     }
 
     /// A place on it, uniform for uniform words.
-    fn place(&self, scene: &CompiledScene, elements: &Elements, numbers: &Numbers) -> Option<Probe> {
+    fn place(&self, scene: &CompiledScene, numbers: &Numbers) -> Option<Probe> {
         let [pick, ..] = numbers.bits4(PLACE_GROUP);
         let [_, u, v, _] = numbers.group4(PLACE_GROUP);
         let primitive = *self.primitives.get(self.density.pick(pick).index as usize)?;
-        let (position, normal) = elements.point_on(scene, primitive as usize, [u, v])?;
+        let (position, normal) = place_on(scene, primitive, [u, v])?;
         let normal = if self.back { -normal } else { normal };
         Some(Probe { position: position.to_array(), normal: normal.to_array() })
     }
@@ -84,31 +81,29 @@ pub fn meters(
     let first = first_job(settings);
     let film = Film::new(backend::probe_film_settings(session.scene(), &first, meters.len()));
     let budget = settings.budget;
-    let elements = session.elements(&WHOLE);
     drive(film, first, budget, watcher, &even, |job, control, film| {
         let mut part = Film::new(*film.settings());
         let mut stats = JobStats::default();
         for block in job.blocks.clone() {
-            let (points, inner) = points(session.scene(), &elements, meters, job, block);
-            let mut seen = Film::new(backend::probe_film_settings(session.scene(), &inner, points.len()));
+            let (points, inner) = points(session.scene(), meters, job, block);
+            let probes: Vec<Probe> = points.iter().map(|p| p.1).collect();
+            let mut seen = Film::new(backend::probe_film_settings(session.scene(), &inner, probes.len()));
             stats += match method {
-                MeterMethod::Path => session.path_probes(&inner, &points, control, &mut seen)?,
+                MeterMethod::Path => session.path_probes(&inner, &probes, control, &mut seen)?,
                 MeterMethod::Bidirectional(heuristic) => {
                     let inner = both_ends(&inner, heuristic);
-                    session.bidirectional_probes(&inner, &points, control, &mut seen)?
+                    session.bidirectional_probes(&inner, &probes, control, &mut seen)?
                 }
                 MeterMethod::Photon(gather) => {
-                    session.photon_probes(&gather.job(&inner, budget), &points, control, &mut seen)?
+                    session.photon_probes(&gather.job(&inner, budget), &probes, control, &mut seen)?
                 }
             };
-            let each = points.len() / meters.len().max(1);
-            let mean = |meter: usize| {
-                [0, 1, 2].map(|c| {
-                    let sum: f64 = (meter * each..(meter + 1) * each).map(|i| seen.mean(i)[c]).sum();
-                    sum / each as f64
-                })
+            let mean = |meter: u32| {
+                let mine = || points.iter().enumerate().filter(move |(_, p)| p.0 == meter);
+                let count = mine().count().max(1) as f64;
+                [0, 1, 2].map(|c| mine().map(|(i, _)| seen.mean(i)[c]).sum::<f64>() / count)
             };
-            let means: Vec<[f64; 3]> = (0..meters.len()).map(mean).collect();
+            let means: Vec<[f64; 3]> = (0..meters.len() as u32).map(mean).collect();
             part.add_blocks(block..block + 1, &means)?;
         }
         film.merge(&part)?;
@@ -116,19 +111,18 @@ pub fn meters(
     })
 }
 
-/// The points of a block, meter after meter, and what is asked there.
+/// The points of a block with the numbers of their meters, and what is asked there.
 fn points(
     scene: &CompiledScene,
-    elements: &Elements,
     meters: &[Meter],
     job: &PathJob,
     block: u32,
-) -> (Vec<Probe>, PathJob) {
+) -> (Vec<(u32, Probe)>, PathJob) {
     let samples = SAMPLES.min(job.block_length);
     let count = job.block_length / samples;
     let numbers = Numbers::sobol(job.seed, block);
-    let places = meters.iter().flat_map(|meter| {
-        (0..count).filter_map(move |i| meter.place(scene, elements, &numbers.with_index(i)))
+    let places = (0_u32..).zip(meters).flat_map(|(number, meter)| {
+        (0..count).filter_map(move |i| Some((number, meter.place(scene, &numbers.with_index(i))?)))
     });
     (places.collect(), PathJob { blocks: block..block + 1, block_length: samples, ..job.clone() })
 }

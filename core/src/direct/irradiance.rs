@@ -30,7 +30,14 @@ pub fn from_light(light: &LightRecord, point: &SurfacePoint, n: Vec3) -> Option<
     (irradiance != Vec3::ZERO).then(|| (irradiance, light::shadow_ray(&s, point, side)))
 }
 
-/// A point of a primitive from two numbers in [0, 1), for a triangle of cell `cell` of its divisions: as a hit, with its unit normal. `None` for what has no area.
+/// A place on a primitive, uniform for two uniform numbers in [0, 1), and the unit normal of its front there. `None` for what has no area.
+#[inline]
+pub fn place_on(scene: &CompiledScene, primitive: u32, u: [f32; 2]) -> Option<(Vec3, Vec3)> {
+    let (_, point, normal) = point_by(scene, primitive, u, |l| l)?;
+    Some((point.position, normal))
+}
+
+/// A point of a primitive from two numbers in [0, 1), for a triangle of cell `cell` of its divisions.
 #[inline]
 fn point_on(
     scene: &CompiledScene,
@@ -39,12 +46,23 @@ fn point_on(
     cell: u32,
     u: [f32; 2],
 ) -> Option<(Hit, SurfacePoint, Vec3)> {
+    point_by(scene, primitive, u, |l| elements.in_cell(primitive, cell, l))
+}
+
+/// A point of a primitive from two numbers in [0, 1), as a hit, with its unit normal; `bary` moves the second and third barycentrics. `None` for what has no area.
+#[inline]
+fn point_by(
+    scene: &CompiledScene,
+    primitive: u32,
+    u: [f32; 2],
+    bary: impl Fn([f32; 2]) -> [f32; 2],
+) -> Option<(Hit, SurfacePoint, Vec3)> {
     let primitives = scene.primitives();
     let at = |b1, b2| Hit { t: 0.0, primitive, b1, b2 };
     if let Some(v) = primitives.vertices(primitive) {
         let surface = scene.surfaces.get(primitive as usize)?;
         let [_, l1, l2] = warp::sample_triangle(u);
-        let [b1, b2] = elements.in_cell(primitive, cell, [l1, l2]);
+        let [b1, b2] = bary([l1, l2]);
         return Some((
             at(b1, b2),
             hit_point_with(v, b1, b2, surface.sliver),

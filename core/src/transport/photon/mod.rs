@@ -9,7 +9,7 @@
 //! there, [`PhotonTracer::scatter`] sends the photon on and tells the chance with which it should survive.
 //!
 //! Where light is changed on its way, or passes surfaces, photons carry what they need to know of the media they fly through ([`Way`]): flights end in a medium by its extinction, panes and dielectrics
-//! send them on, and none of these is a place where they land ([`through`]).
+//! send them on, and none of these is a place where they land ([`Through`]).
 //!
 //! Starts: [`LightPlan`] picks a light by flux, the classical way ([`crate::light::emit`]); [`super::first_shot`] starts on lit surfaces.
 
