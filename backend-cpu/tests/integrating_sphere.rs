@@ -21,7 +21,7 @@ const QUICKLY: [f64; 2] = [8e-3, 1.5e-2];
 /// What f32 may add to it.
 const ROUNDING: f64 = 2e-5;
 const BLOCKS: u32 = 8;
-const BLOCKS_MAX: u32 = 1 << 12;
+const BLOCKS_MAX: u32 = 1 << 14;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Method {
