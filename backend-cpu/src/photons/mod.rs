@@ -101,9 +101,10 @@ fn replicate(
 ) {
     let job = shared.job;
     let replicate = Replicate::new(shared, number);
-    with_photon_tracer!(code, (shared.scene, job.max_hits, shared.media), |tracer| {
+    with_photon_tracer!(code, shared.scene, job.max_hits, |tracer| {
+        let flight = tracer.flight(shared.media);
         pool.install(|| match job.sequence {
-            Sequence::Sorted => wave::walk(&tracer, shared, &replicate, meter),
+            Sequence::Sorted => wave::walk((&tracer, &flight), shared, &replicate, meter),
             Sequence::Sobol | Sequence::Random => {
                 (0..job.photons.div_ceil(TASK)).into_par_iter().with_max_len(1).for_each(|task| {
                     if meter.stopped() {
@@ -112,7 +113,7 @@ fn replicate(
                     let photons = task * TASK..job.photons.min((task + 1) * TASK);
                     let count = u64::from(photons.end - photons.start);
                     let [rays, hits] =
-                        walk::walk(&tracer, shared, &replicate, photons, &mut shared.sums.mine());
+                        walk::walk((&tracer, &flight), shared, &replicate, photons, &mut shared.sums.mine());
                     meter.count(rays, hits, count);
                 });
             }

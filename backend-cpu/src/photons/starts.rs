@@ -11,7 +11,7 @@ use etendue_core::transport::first_shot::{
     FirstShot, FirstShotError, LitPiece, Start, StartPlan, Subdivision, Weights,
 };
 use etendue_core::transport::photon::{
-    LightPlan, PICK_GROUP, Photon, PhotonTracer, START_GROUP, Sequence, Way,
+    LightPlan, PICK_GROUP, Photon, PhotonFlight, START_GROUP, Sequence, Way,
 };
 use etendue_core::transport::volume::LightMedia;
 use rayon::prelude::*;
@@ -97,8 +97,8 @@ impl Replicate {
 
 /// Photon `index` of a replicate where it first meets a surface, and the rays that this took. `None` where it meets none.
 #[inline(always)]
-pub(super) fn first_landing<W: Way, const L: bool, const T: bool, const S: bool>(
-    tracer: &PhotonTracer<'_, W, L, T, S>,
+pub(super) fn first_landing<W: Way>(
+    flight: &PhotonFlight<'_, W>,
     shared: &Shared<'_>,
     replicate: &Replicate,
     index: u32,
@@ -107,8 +107,8 @@ pub(super) fn first_landing<W: Way, const L: bool, const T: bool, const S: bool>
     let numbers = replicate.numbers.with_index(index);
     let u = numbers.group4(START_GROUP);
     let fly = |photon: Photon, light: u32, rays: &mut u64| {
-        let mut photon = tracer.begin(shared.tree, photon, (light, index), &replicate.random);
-        let hit = tracer.fly(shared.tree, &mut photon, &replicate.random, rays)?;
+        let mut photon = flight.begin(shared.tree, photon, (light, index), &replicate.random);
+        let hit = flight.fly(shared.tree, &mut photon, &replicate.random, rays)?;
         Some((photon, hit))
     };
     match shared.source {
@@ -126,7 +126,7 @@ pub(super) fn first_landing<W: Way, const L: bool, const T: bool, const S: bool>
                 Some((photon, hit))
             }
             Start::Lands { photon, hit, look } if W::VOLUME => {
-                let photon = tracer.land_straight(shared.tree, photon, &hit, (&look?, index), rays);
+                let photon = flight.land_straight(shared.tree, photon, &hit, (&look?, index), rays);
                 (photon.flux != etendue_core::math::Vec3::ZERO).then_some((photon, hit))
             }
             Start::Lands { mut photon, hit, look } => {

@@ -4,21 +4,22 @@ use super::Shared;
 use super::starts::{Replicate, first_landing};
 use super::sums::Part;
 use crate::simd::widest;
-use etendue_core::transport::photon::{PhotonTracer, WALK_GROUP, Way};
+use etendue_core::transport::photon::{PhotonFlight, PhotonTracer, WALK_GROUP, Way};
 use std::ops::Range;
 
 widest! {
     /// Photons of a range of a replicate; the rays that they took and the arrivals that count.
     pub(super) fn walk[W: Way, const L: bool, const T: bool, const S: bool](
-        tracer: &PhotonTracer<'_, W, L, T, S>,
+        photons: (&PhotonTracer<'_, W, L, T, S>, &PhotonFlight<'_, W>),
         shared: &Shared<'_>,
         replicate: &Replicate,
-        photons: Range<u32>,
+        range: Range<u32>,
         sums: &mut Part,
     ) -> [u64; 2] {
         let (mut rays, mut hits) = (0, 0);
-        for index in photons {
-            let Some((mut photon, mut hit)) = first_landing(tracer, shared, replicate, index, &mut rays) else { continue };
+        let (tracer, flight) = photons;
+        for index in range {
+            let Some((mut photon, mut hit)) = first_landing(flight, shared, replicate, index, &mut rays) else { continue };
             let numbers = replicate.numbers.with_index(index);
             while let Some((surface, arrival)) = tracer.land(&photon, &hit) {
                 if let Some(a) = arrival {
@@ -31,7 +32,7 @@ widest! {
                     break;
                 }
                 photon.flux /= chance;
-                match tracer.fly(shared.tree, &mut photon, &replicate.random, &mut rays) {
+                match flight.fly(shared.tree, &mut photon, &replicate.random, &mut rays) {
                     Some(next) => hit = next,
                     None => break,
                 }

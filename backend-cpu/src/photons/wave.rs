@@ -10,7 +10,7 @@ use super::{Meter, Shared, TASK};
 use crate::simd::widest;
 use etendue_core::geometry::{HilbertGrid, Hit};
 use etendue_core::sampling::numbers::Numbers;
-use etendue_core::transport::photon::{Photon, PhotonTracer, WALK_GROUP, Way};
+use etendue_core::transport::photon::{Photon, PhotonFlight, PhotonTracer, WALK_GROUP, Way};
 use rayon::prelude::*;
 use rdst::RadixSort;
 use std::ops::Range;
@@ -37,15 +37,15 @@ const ONE: u64 = 1 << 32;
 
 widest! {
     /// The first landings of a range of photons, in order; and the rays that they took.
-    fn start[W: Way, const L: bool, const T: bool, const S: bool](
-        tracer: &PhotonTracer<'_, W, L, T, S>,
+    fn start[W: Way](
+        flight: &PhotonFlight<'_, W>,
         shared: &Shared<'_>,
         replicate: &Replicate,
         photons: Range<u32>,
     ) -> (Vec<Landed<W>>, u64) {
         let (mut landed, mut rays) = (Vec::with_capacity(photons.len()), 0);
         for index in photons {
-            landed.extend(first_landing(tracer, shared, replicate, index, &mut rays));
+            landed.extend(first_landing(flight, shared, replicate, index, &mut rays));
         }
         (landed, rays)
     }
@@ -90,8 +90,8 @@ widest! {
 
 widest! {
     /// The survivors of photons before which the chances add up to `before`, where they land; and the rays that they took.
-    fn fly[W: Way, const L: bool, const T: bool, const S: bool](
-        tracer: &PhotonTracer<'_, W, L, T, S>,
+    fn fly[W: Way](
+        flight: &PhotonFlight<'_, W>,
         shared: &Shared<'_>,
         random: &Numbers,
         leaving: &[Leaving<W>],
@@ -107,7 +107,7 @@ widest! {
             }
             let mut photon = *photon;
             photon.flux *= (ONE as f64 / f64::from(*chance)) as f32;
-            let hit = tracer.fly(shared.tree, &mut photon, random, &mut rays);
+            let hit = flight.fly(shared.tree, &mut photon, random, &mut rays);
             landed.extend(hit.map(|hit| (photon, hit)));
         }
         (landed, rays)
@@ -130,19 +130,19 @@ fn order<W: Way>(grid: &HilbertGrid, landed: &[Landed<W>]) -> Vec<u64> {
 
 /// Walks all photons of a replicate, some waves of them; only a part where the meter says stop.
 pub(super) fn walk<W: Way, const L: bool, const T: bool, const S: bool>(
-    tracer: &PhotonTracer<'_, W, L, T, S>,
+    tracers: (&PhotonTracer<'_, W, L, T, S>, &PhotonFlight<'_, W>),
     shared: &Shared<'_>,
     replicate: &Replicate,
     meter: &Meter<'_>,
 ) {
     let photons = shared.job.photons;
     for first in (0..photons).step_by(WAVE as usize) {
-        walk_wave(tracer, shared, replicate, first..photons.min(first.saturating_add(WAVE)), meter);
+        walk_wave(tracers, shared, replicate, first..photons.min(first.saturating_add(WAVE)), meter);
     }
 }
 
 fn walk_wave<W: Way, const L: bool, const T: bool, const S: bool>(
-    tracer: &PhotonTracer<'_, W, L, T, S>,
+    (tracer, flight): (&PhotonTracer<'_, W, L, T, S>, &PhotonFlight<'_, W>),
     shared: &Shared<'_>,
     replicate: &Replicate,
     photons: Range<u32>,
@@ -157,7 +157,7 @@ fn walk_wave<W: Way, const L: bool, const T: bool, const S: bool>(
             if meter.stopped() {
                 return Vec::new();
             }
-            let (landed, rays) = start(tracer, shared, replicate, range);
+            let (landed, rays) = start(flight, shared, replicate, range);
             meter.count(rays, 0, 0);
             landed
         })
@@ -203,7 +203,7 @@ fn walk_wave<W: Way, const L: bool, const T: bool, const S: bool>(
                 if meter.stopped() {
                     return Vec::new();
                 }
-                let (landed, rays) = fly(tracer, shared, &replicate.random, &leaving, before);
+                let (landed, rays) = fly(flight, shared, &replicate.random, &leaving, before);
                 meter.count(rays, 0, 0);
                 landed
             })

@@ -7,7 +7,7 @@ use super::back::Roulette;
 use super::bidirectional::{Bidirectional, Heuristic, Settings, State};
 use super::path::PathTracer;
 use super::photon::PhotonTracer;
-use super::volume::{LightMedia, Surroundings, VolumeTracer};
+use super::volume::{Surroundings, VolumeTracer};
 use crate::geometry::{Bvh2, Intersector};
 use crate::light::emit;
 use crate::medium::Inside;
@@ -139,8 +139,7 @@ fn walks_from_both_ends_bring_the_same_without_roulette() {
 /// Flux that arrives at the room's walls, of one lamp.
 fn arrivals(scene: &CompiledScene, gamble: bool, seed: u64, blocks: u32) -> [f64; 2] {
     let tree = Bvh2::new(scene.primitives());
-    let media = LightMedia::default();
-    let tracer = PhotonTracer::<(), false, false, false>::new(scene, DEPTH, &media);
+    let tracer = PhotonTracer::<(), false, false, false>::new(scene, DEPTH);
     let numbers = Counter::new(seed);
     mean_of(blocks, |block| {
         let mut sum = 0.0;

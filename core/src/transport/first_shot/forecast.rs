@@ -11,7 +11,7 @@ use crate::math;
 use crate::sampling::numbers::Numbers;
 use crate::scene::CompiledScene;
 use crate::transport::photon::{
-    LightPlan, PICK_GROUP, Photon, PhotonTracer, START_GROUP, Through, WALK_GROUP, Way,
+    LightPlan, PICK_GROUP, Photon, PhotonFlight, PhotonTracer, START_GROUP, Through, WALK_GROUP, Way,
 };
 use crate::transport::volume::LightMedia;
 
@@ -62,15 +62,15 @@ pub fn forecast<I: Intersector + ?Sized>(
     let lights = LightPlan::new(scene).map_err(|_| FirstShotError::Dark)?;
     let walk = if scene.needs.volume() {
         try_photons(
-            &PhotonTracer::<Through, true, true, true>::new(scene, u32::MAX, media),
-            scene,
+            &PhotonTracer::<Through, true, true, true>::new(scene, u32::MAX),
+            (scene, media),
             intersector,
             &lights,
         )
     } else {
         try_photons(
-            &PhotonTracer::<(), true, true, true>::new(scene, u32::MAX, media),
-            scene,
+            &PhotonTracer::<(), true, true, true>::new(scene, u32::MAX),
+            (scene, media),
             intersector,
             &lights,
         )
@@ -102,10 +102,11 @@ struct Tried {
 
 fn try_photons<W: Way, I: Intersector + ?Sized>(
     tracer: &PhotonTracer<'_, W, true, true, true>,
-    scene: &CompiledScene,
+    (scene, media): (&CompiledScene, &LightMedia),
     intersector: &I,
     lights: &LightPlan,
 ) -> Tried {
+    let flight = PhotonFlight::<W>::new(scene, u32::MAX, media);
     let mut tried = Tried::default();
     for index in 0..PHOTONS {
         let numbers = Numbers::random(0x5EED, 0).with_index(index);
@@ -113,12 +114,12 @@ fn try_photons<W: Way, I: Intersector + ?Sized>(
         let (photon, light) = lights.start(scene, pick, numbers.group4(START_GROUP), false);
         let straight = !photon.registers_first;
         let photon = Photon { survives_first: true, ..photon };
-        let mut photon = tracer.begin(intersector, photon, (light, index), &numbers);
+        let mut photon = flight.begin(intersector, photon, (light, index), &numbers);
         let sent = f64::from(math::mean(photon.flux));
         let (mut carried, mut rays) = (if straight { 0.0 } else { sent }, 0.0);
         loop {
             let mut took = 0;
-            let landed = tracer.fly(intersector, &mut photon, &numbers, &mut took);
+            let landed = flight.fly(intersector, &mut photon, &numbers, &mut took);
             rays += took as f64;
             let Some(hit) = landed else { break };
             let Some((surface, _)) = tracer.land(&photon, &hit) else { break };

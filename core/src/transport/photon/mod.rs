@@ -160,22 +160,17 @@ impl LightPlan {
     }
 }
 
-/// The walk, with the code that a scene needs (see [`super::TransportCode`]); `W`: what photons know of their way.
+/// Photons between two landings; `W`: what they know of their way. The same for all code that a scene needs at its surfaces.
 #[derive(Clone, Copy, Debug)]
-pub struct PhotonTracer<'a, W, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
+pub struct PhotonFlight<'a, W> {
     scene: &'a CompiledScene,
     lights: &'a LightMedia,
     max_hits: u32,
     way: PhantomData<W>,
 }
 
-/// Of photons that meet surfaces alone.
-pub type SurfacePhotons<'a, const L: bool, const T: bool, const S: bool> = PhotonTracer<'a, (), L, T, S>;
-
-impl<'a, W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
-    PhotonTracer<'a, W, LOBES, TEXTURES, SHADING>
-{
-    /// A tracer of photons that arrive, or are sent on by what they pass, at most `max_hits` times; `lights`: the media that lights send into.
+impl<'a, W: Way> PhotonFlight<'a, W> {
+    /// Of photons that arrive, or are sent on by what they pass, at most `max_hits` times; `lights`: the media that lights send into.
     pub fn new(scene: &'a CompiledScene, max_hits: u32, lights: &'a LightMedia) -> Self {
         Self { scene, lights, max_hits, way: PhantomData }
     }
@@ -232,6 +227,31 @@ impl<'a, W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         }
         *rays += 1;
         intersector.closest_hit(&photon.ray)
+    }
+}
+
+/// Landings, with the code that a scene needs (see [`super::TransportCode`]); `W`: what photons know of their way.
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonTracer<'a, W, const LOBES: bool, const TEXTURES: bool, const SHADING: bool> {
+    scene: &'a CompiledScene,
+    max_hits: u32,
+    way: PhantomData<W>,
+}
+
+/// Of photons that meet surfaces alone.
+pub type SurfacePhotons<'a, const L: bool, const T: bool, const S: bool> = PhotonTracer<'a, (), L, T, S>;
+
+impl<'a, W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
+    PhotonTracer<'a, W, LOBES, TEXTURES, SHADING>
+{
+    /// A tracer of photons that arrive, or are sent on by what they pass, at most `max_hits` times.
+    pub fn new(scene: &'a CompiledScene, max_hits: u32) -> Self {
+        Self { scene, max_hits, way: PhantomData }
+    }
+
+    /// Their flights; `lights`: the media that lights send into.
+    pub fn flight(&self, lights: &'a LightMedia) -> PhotonFlight<'a, W> {
+        PhotonFlight::new(self.scene, self.max_hits, lights)
     }
 
     /// The surface at which a photon is, and what arrives there if that counts. `None` ends the walk.
@@ -297,17 +317,17 @@ impl<'a, W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     }
 }
 
-/// Runs `$body` with `$tracer` bound to the photon tracer that has just the code that `$code` names; `$lights`: the media that lights send into.
+/// Runs `$body` with `$tracer` bound to the photon tracer that has just the code that `$code` names.
 #[macro_export]
 macro_rules! with_photon_tracer {
-    ($code:expr, ($scene:expr, $max_hits:expr, $lights:expr), |$tracer:ident| $body:expr) => {{
+    ($code:expr, $scene:expr, $max_hits:expr, |$tracer:ident| $body:expr) => {{
         use $crate::transport::photon::{PhotonTracer, SurfacePhotons, Through};
         if $scene.needs.volume() {
             // One instance: what else a scene does not need costs little beside flights.
-            let $tracer = PhotonTracer::<Through, true, true, true>::new($scene, $max_hits, $lights);
+            let $tracer = PhotonTracer::<Through, true, true, true>::new($scene, $max_hits);
             $body
         } else {
-            $crate::with_transport_code!($code, |$tracer = SurfacePhotons($scene, $max_hits, $lights)| $body)
+            $crate::with_transport_code!($code, |$tracer = SurfacePhotons($scene, $max_hits)| $body)
         }
     }};
 }

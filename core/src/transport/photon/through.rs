@@ -4,7 +4,7 @@
 //! the scattering share of what it carries. Null boundaries are passed; panes, and dielectrics without a finish, reflect a photon or let it through. Flux is not squeezed by an index as radiance is. What has
 //! scattered, reflected or refracted a photon counts as a hit, at which nothing is registered; what it passes straight on does not, so that a light without size is known in closed form beyond it.
 
-use super::{Photon, PhotonTracer, SURVIVAL_MAX};
+use super::{Photon, PhotonFlight, PhotonTracer, SURVIVAL_MAX};
 use crate::bsdf::Interface;
 use crate::geometry::{Hit, Intersector, Ray};
 use crate::light::emit;
@@ -108,9 +108,7 @@ fn survives<W>(photon: &mut Photon<W>, before: Vec3, survive: f32) -> bool {
     survive < chance
 }
 
-impl<W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
-    PhotonTracer<'_, W, LOBES, TEXTURES, SHADING>
-{
+impl<W: Way> PhotonFlight<'_, W> {
     /// A photon that has just left what emits it; see [`Self::begin`].
     #[inline(never)]
     pub(super) fn begin_through<I: Intersector + ?Sized>(
@@ -189,7 +187,7 @@ impl<W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         }
         let Some(hit) = hit else { return End::Over };
         let (hit, beyond) = resolve(self.scene, &ray, hit, inside);
-        let Some(surface) = surface_at::<LOBES, TEXTURES, SHADING>(self.scene, &ray, &hit) else {
+        let Some(surface) = surface_at::<true, true, true>(self.scene, &ray, &hit) else {
             return End::Over;
         };
         if self.scene.material_of(hit.primitive).flags & material_flags::NULL != 0 {
@@ -227,10 +225,8 @@ impl<W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         }
         let origin = surface.leave(passage.wi);
         way.lead = surface.lead(origin, passage.wi);
-        if SHADING {
-            let turned = surface.wo.dot(surface.shading) * there / (here * passage.wi.dot(surface.shading));
-            photon.flux *= math::abs(turned).min(16.0);
-        }
+        let turned = surface.wo.dot(surface.shading) * there / (here * passage.wi.dot(surface.shading));
+        photon.flux *= math::abs(turned).min(16.0);
         photon.ray = Ray { origin, direction: passage.wi, t_max: f32::MAX };
         self.on(photon, before, survive)
     }
@@ -241,7 +237,11 @@ impl<W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         photon.light = NO_INDEX;
         if photon.hits < self.max_hits && survives(photon, before, survive) { End::Goes } else { End::Over }
     }
+}
 
+impl<W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
+    PhotonTracer<'_, W, LOBES, TEXTURES, SHADING>
+{
     /// A direction in which flux leaves the surface on which a photon has landed, what it is multiplied by, and whether a mirror sends it there; see [`Self::leave`].
     #[inline(never)]
     pub(super) fn leave_through(
