@@ -4,17 +4,19 @@
 //! points and samples together, and any method that knows probes can be asked.
 
 use super::{GatherSettings, Outcome, Settings, Watcher, both_ends, drive, even, first_job};
-use etendue_core::backend::{self, BackendError, JobStats, PathJob, Probe, Session};
+use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session};
 use etendue_core::direct::irradiance::place_on;
 use etendue_core::film::Film;
+use etendue_core::math::u32_to_unit;
 use etendue_core::sampling::discrete::IntegerCdf;
 use etendue_core::sampling::numbers::Numbers;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::bidirectional::Heuristic;
+use std::ops::ControlFlow;
 
 /// Samples at each point, if a block has as many.
 const SAMPLES: u32 = 4;
-/// Groups of numbers: the place, and away from those of photons.
+/// The group of numbers that names a place, far from those of photons of the same seed.
 const PLACE_GROUP: u32 = 1 << 30;
 
 /// A surface whose mean irradiance is asked for.
@@ -47,10 +49,9 @@ impl Meter {
 
     /// A place on it, uniform for uniform words.
     fn place(&self, scene: &CompiledScene, numbers: &Numbers) -> Option<Probe> {
-        let [pick, ..] = numbers.bits4(PLACE_GROUP);
-        let [_, u, v, _] = numbers.group4(PLACE_GROUP);
+        let [pick, u, v, _] = numbers.bits4(PLACE_GROUP);
         let primitive = *self.primitives.get(self.density.pick(pick).index as usize)?;
-        let (position, normal) = place_on(scene, primitive, [u, v])?;
+        let (position, normal) = place_on(scene, primitive, [u, v].map(u32_to_unit))?;
         let normal = if self.back { -normal } else { normal };
         Some(Probe { position: position.to_array(), normal: normal.to_array() })
     }
@@ -65,6 +66,19 @@ pub enum MeterMethod<'a> {
     Bidirectional(Heuristic),
     /// By gathering from maps of photons.
     Photon(&'a GatherSettings),
+}
+
+/// Passes on the progress of one block as that of its pass.
+struct Portion<'a> {
+    control: &'a dyn Control,
+    before: u64,
+    blocks: u64,
+}
+
+impl Control for Portion<'_> {
+    fn advance(&self, done: u64, total: u64) -> ControlFlow<()> {
+        self.control.advance(self.before * total + done, self.blocks * total)
+    }
 }
 
 /// Mean irradiance \[W/m^2\] of each meter.
@@ -84,7 +98,9 @@ pub fn meters(
     drive(film, first, budget, watcher, &even, |job, control, film| {
         let mut part = Film::new(*film.settings());
         let mut stats = JobStats::default();
-        for block in job.blocks.clone() {
+        let blocks = u64::from(job.blocks.end - job.blocks.start);
+        for (before, block) in (0_u64..).zip(job.blocks.clone()) {
+            let control = &Portion { control, before, blocks };
             let (points, inner) = points(session.scene(), meters, job, block);
             let probes: Vec<Probe> = points.iter().map(|p| p.1).collect();
             let mut seen = Film::new(backend::probe_film_settings(session.scene(), &inner, probes.len()));

@@ -103,29 +103,35 @@ pub struct MeterReading {
 
 /// Writes readings of meters, one a line: `{"meters": [...]}`. Refuses numbers that are not finite, for JSON has none.
 pub fn write_meters(path: &Path, readings: &[MeterReading]) -> Result<(), SaveError> {
-    let mut text = String::from("{\"meters\": [\n");
-    for (i, r) in readings.iter().enumerate() {
-        if !r.irradiance.iter().chain(r.stderr.iter().flatten()).all(|x| x.is_finite()) {
-            return Err(SaveError::new(path, format!("meter {} holds a number that is not finite", i + 1)));
-        }
-        text += &serde_json::to_string(r).map_err(|e| SaveError::new(path, e))?;
-        text += if i + 1 < readings.len() { ",\n" } else { "\n" };
-    }
-    text += "]}\n";
-    write_whole(path, text.as_bytes())
+    write_list(path, "meter", readings, |r| {
+        r.irradiance.iter().chain(r.stderr.iter().flatten()).all(|x| x.is_finite())
+    })
 }
 
 /// Writes a list of points, one a line. The same list gives the same bytes; numbers are the shortest that read
 /// back as the same f32. Refuses numbers that are not finite, for JSON has none.
 pub fn write_points(path: &Path, probes: &[Probe]) -> Result<(), SaveError> {
-    let mut text = String::from("{\"probes\": [\n");
-    for (i, p) in probes.iter().enumerate() {
+    write_list(path, "probe", probes, |p| {
         let optional = p.irradiance.iter().chain(&p.stderr).flatten();
-        if !p.position.iter().chain(&p.normal).chain(optional).all(|x| x.is_finite()) {
-            return Err(SaveError::new(path, format!("probe {} holds a number that is not finite", i + 1)));
+        p.position.iter().chain(&p.normal).chain(optional).all(|x| x.is_finite())
+    })
+}
+
+/// An object of one list, that of these things, one a line.
+fn write_list<T: Serialize>(
+    path: &Path,
+    thing: &str,
+    list: &[T],
+    is_finite: impl Fn(&T) -> bool,
+) -> Result<(), SaveError> {
+    let mut text = format!("{{\"{thing}s\": [\n");
+    for (i, item) in list.iter().enumerate() {
+        if !is_finite(item) {
+            let reason = format!("{thing} {} holds a number that is not finite", i + 1);
+            return Err(SaveError::new(path, reason));
         }
-        text += &serde_json::to_string(p).map_err(|e| SaveError::new(path, e))?;
-        text += if i + 1 < probes.len() { ",\n" } else { "\n" };
+        text += &serde_json::to_string(item).map_err(|e| SaveError::new(path, e))?;
+        text += if i + 1 < list.len() { ",\n" } else { "\n" };
     }
     text += "]}\n";
     write_whole(path, text.as_bytes())

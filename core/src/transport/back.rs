@@ -102,6 +102,18 @@ impl Roulette {
     }
 }
 
+/// The channel of a path whose colours part: the one `chosen` already, or one drawn by `u` in [0, 1), which from here on stands for all three that are `carried`.
+#[inline]
+pub(super) fn choose_colour(chosen: &mut Option<u8>, carried: &mut Vec3, u: f32) -> usize {
+    if let Some(channel) = *chosen {
+        return usize::from(channel);
+    }
+    let channel = ((3.0 * u) as usize).min(2);
+    *chosen = Some(channel as u8);
+    *carried = one_colour(*carried, channel);
+    channel
+}
+
 /// What a path or walk carries from where its colours part: one of them, which stands for all three.
 #[inline]
 pub(super) fn one_colour(carried: Vec3, channel: usize) -> Vec3 {

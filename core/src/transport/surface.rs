@@ -3,7 +3,7 @@
 use super::gather::ProbePlace;
 use super::volume::{boundaries::resolve, lead};
 use crate::bsdf::plastic::{Coat, CoatTable};
-use crate::bsdf::{Boundary, Finish, Interface, Lobes, Metal, fresnel};
+use crate::bsdf::{Boundary, Finish, Interface, Lobes, Metal, Passage, fresnel};
 use crate::geometry::{
     Hit, Intersector, PrimitiveId, Ray, SurfacePoint, hit_point_with, offset_origin, shape_normal,
     shape_point,
@@ -167,6 +167,18 @@ impl Surface {
             let ratio = if self.from_front { ior } else { Vec3::ONE / ior };
             Interface::Dielectric { ratio, schlick }
         };
+    }
+
+    /// Where light goes on at a smooth boundary, for one channel; u in [0, 1). `None` where all is absorbed, or an interpolated normal would send it to the wrong side.
+    #[inline(always)]
+    pub(in crate::transport) fn passage<const SHADING: bool>(
+        &self,
+        channel: usize,
+        u: f32,
+    ) -> Option<Passage> {
+        let passage = self.interface.pass(self.shading, self.wo, channel, u)?;
+        let wrong = SHADING && (passage.wi.dot(self.geometric) < 0.0) != passage.through;
+        (!wrong).then_some(passage)
     }
 
     /// What lies between the surface and the start of a ray that leaves it \[m\].

@@ -244,12 +244,7 @@ impl<const VOLUME: bool, const LOBES: bool, const DETAIL: bool> Bidirectional<'_
         if surface.interface.disperses() {
             walk.choose(channel);
         }
-        let Some(passage) = surface.interface.pass(surface.shading, surface.wo, channel, choice) else {
-            return Step::Over;
-        };
-        if DETAIL && (passage.wi.dot(surface.geometric) < 0.0) != passage.through {
-            return Step::Over;
-        }
+        let Some(passage) = surface.passage::<DETAIL>(channel, choice) else { return Step::Over };
         let mut weight = passage.weight;
         if passage.through
             && let Some((_, chance)) = surface.interface.straight()

@@ -94,8 +94,6 @@ pub struct FirstShot {
     slots: Vec<u32>,
     per_watt: Vec<f32>,
     exact: bool,
-    /// Light is changed on its way, or passes surfaces.
-    volume: bool,
     sphere: (Vec3, f32),
     emitted: f64,
     reflected: f64,
@@ -177,7 +175,6 @@ impl FirstShot {
             slots,
             per_watt,
             exact,
-            volume: scene.needs.volume(),
             sphere,
             emitted,
             reflected: f64::from(reflected),
@@ -227,7 +224,7 @@ impl FirstShot {
         let ray =
             Ray { origin: point.position, direction: -emit::toward(light, point.position), t_max: f32::MAX };
         let hit = Hit { t: 0.0, primitive: piece.triangle, b1: b[1], b2: b[2] };
-        let normal = Vec3::from_array(surface.normal);
+        let (normal, volume) = (Vec3::from_array(surface.normal), scene.needs.volume());
         // To where the light is, should it send nothing here.
         let back = segment(offset_origin(&point, normal, -ray.direction), Vec3::from_array(light.point));
         let mut look = Look {
@@ -247,12 +244,10 @@ impl FirstShot {
             (start_flux(e, density, per_watt), u[3] < piece.looks)
         } else {
             // The density is linear, and so a little more than nothing beyond a spot's cone or in a shadow's edge: what starts there counts.
-            if self.volume
-                && let Some((_, shadow)) = from_light(light, &point, normal)
-            {
+            if volume && let Some((_, shadow)) = from_light(light, &point, normal) {
                 look.ray = shadow;
             }
-            (piece_flux(look.colour, piece.weights, piece.area, pick.pmf), self.volume)
+            (piece_flux(look.colour, piece.weights, piece.area, pick.pmf), volume)
         };
         let look = looks.then_some(look);
         let photon =

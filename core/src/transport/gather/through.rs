@@ -7,7 +7,7 @@ use crate::light::{self, LightSample};
 use crate::math::{INV_PI, Vec3};
 use crate::medium::{Inside, Medium};
 use crate::scene::material_flags;
-use crate::transport::back::{Roulette, one_colour};
+use crate::transport::back::{Roulette, choose_colour};
 use crate::transport::volume::{CROSSINGS_MAX, Followed, Vertex, boundaries::resolve};
 use crate::transport::{Surface, mis, surface_at};
 
@@ -54,13 +54,7 @@ pub(super) enum Flown {
 impl Walk {
     /// From here on it is of one colour, which stands for all three.
     fn colour(&mut self, u: f32) -> usize {
-        if let Some(channel) = self.through.channel {
-            return usize::from(channel);
-        }
-        let chosen = ((3.0 * u) as usize).min(2);
-        self.through.channel = Some(chosen as u8);
-        self.throughput = one_colour(self.throughput, chosen);
-        chosen
+        choose_colour(&mut self.through.channel, &mut self.throughput, u)
     }
 
     /// Straight on, beyond a boundary: the same edge, and a direction of the same density.
@@ -129,13 +123,7 @@ impl<const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHADING:
     pub(super) fn meet_interface(&self, walk: &mut Walk, surface: &Surface, t: f32) -> bool {
         let [choice, colour, ..] = walk.sampler.group4(EVENT_GROUP + 2 * walk.through.event + 1);
         let channel = if surface.interface.disperses() { walk.colour(colour) } else { 0 };
-        let Some(passage) = surface.interface.pass(surface.shading, surface.wo, channel, choice) else {
-            return false;
-        };
-        // An interpolated normal can send light to the wrong side.
-        if SHADING && (passage.wi.dot(surface.geometric) < 0.0) != passage.through {
-            return false;
-        }
+        let Some(passage) = surface.passage::<SHADING>(channel, choice) else { return false };
         if passage.through && matches!(surface.interface, Interface::Pane { .. }) {
             walk.throughput *= passage.weight;
             return walk.pass(surface, t);

@@ -12,7 +12,7 @@ use crate::math::{self, Vec3};
 use crate::medium::{Inside, Medium, phase};
 use crate::sampling::{numbers::Numbers, warp};
 use crate::scene::{NO_INDEX, material_flags};
-use crate::transport::back::one_colour;
+use crate::transport::back::choose_colour;
 use crate::transport::volume::{CROSSINGS_MAX, boundaries::resolve};
 use crate::transport::{Surface, surface_at};
 
@@ -78,16 +78,6 @@ impl Through {
         let group = EVENT_GROUP + 2 * self.event;
         self.event += 1;
         (mine.group4(group), mine.group4(group + 1))
-    }
-
-    /// From here on the photon is of one colour, which stands for all three.
-    fn colour(&mut self, flux: Vec3, u: f32) -> (Vec3, usize) {
-        if let Some(channel) = self.channel {
-            return (flux, usize::from(channel));
-        }
-        let chosen = ((3.0 * u) as usize).min(2);
-        self.channel = Some(chosen as u8);
-        (one_colour(flux, chosen), chosen)
     }
 }
 
@@ -200,16 +190,10 @@ impl<W: Way> PhotonFlight<'_, W> {
         }
         let mut channel = usize::from(way.channel.unwrap_or(0));
         if surface.interface.disperses() {
-            (photon.flux, channel) = way.colour(photon.flux, colour);
+            channel = choose_colour(&mut way.channel, &mut photon.flux, colour);
         }
-        let Some(passage) = surface.interface.pass(surface.shading, surface.wo, channel, choice) else {
-            return End::Over;
-        };
+        let Some(passage) = surface.passage::<true>(channel, choice) else { return End::Over };
         let (there, here) = (passage.wi.dot(surface.geometric), surface.wo.dot(surface.geometric));
-        // An interpolated normal can send light to the wrong side.
-        if (there < 0.0) != passage.through {
-            return End::Over;
-        }
         if passage.through
             && let Some((_, chance)) = surface.interface.straight()
         {
@@ -256,8 +240,8 @@ impl<W: Way, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
         let mut lobe = lobe;
         if lobes.disperses() {
             // The colour is a third of the number, and what is left of that as good as new.
-            let (flux, channel) = way.colour(photon.flux, lobe);
-            (photon.flux, lobe) = (flux, 3.0 * lobe - (3.0 * lobe) as u32 as f32);
+            let channel = choose_colour(&mut way.channel, &mut photon.flux, lobe);
+            lobe = 3.0 * lobe - (3.0 * lobe) as u32 as f32;
             lobes = lobes.of_channel(channel);
         }
         let (n, g, wo) = (surface.shading, surface.geometric, surface.wo);

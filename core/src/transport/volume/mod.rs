@@ -18,7 +18,7 @@ pub(super) use way::lead;
 
 pub use boundaries::{Surroundings, inside_at, inside_of_probe, probe_starts};
 
-use super::back::{NO_RAY, Roulette, camera_ray, emission, one_colour, white_surface};
+use super::back::{NO_RAY, Roulette, camera_ray, choose_colour, emission, white_surface};
 use super::paths::{Paths, ProbeStart};
 use super::{Answer, Query, Surface, mis, surface_at};
 use crate::bsdf::{BsdfSample, Interface};
@@ -189,13 +189,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
             state.choose_channel(colour);
         }
         let channel = usize::from(state.channel.unwrap_or(0));
-        let Some(passage) = surface.interface.pass(surface.shading, surface.wo, channel, choice) else {
-            return Query::Done;
-        };
-        // An interpolated normal can send light to the wrong side.
-        if SHADING && (passage.wi.dot(surface.geometric) < 0.0) != passage.through {
-            return Query::Done;
-        }
+        let Some(passage) = surface.passage::<SHADING>(channel, choice) else { return Query::Done };
         if passage.through && matches!(surface.interface, Interface::Pane { .. }) {
             state.throughput *= passage.weight;
             return if state.throughput == Vec3::ZERO {
@@ -229,8 +223,7 @@ impl<'a, const LOBES: bool, const TEXTURES: bool, const SHADING: bool>
     #[inline(never)]
     fn scatter_colour(&self, state: &mut VolumeState, mut surface: Surface, beyond: Inside) -> Query {
         let [colour, ..] = state.sampler.group4(COLOUR_GROUP + state.event);
-        state.choose_channel(colour);
-        surface.lobes = surface.lobes.of_channel(usize::from(state.channel.unwrap_or(0)));
+        surface.lobes = surface.lobes.of_channel(state.choose_channel(colour));
         self.scatter(state, &Vertex::Surface(&surface, beyond))
     }
 
@@ -383,13 +376,8 @@ impl VolumeState {
     }
 
     /// From here on the path is of one colour, which stands for all three.
-    fn choose_channel(&mut self, u: f32) {
-        if self.channel.is_some() {
-            return;
-        }
-        let chosen = ((3.0 * u) as usize).min(2);
-        self.channel = Some(chosen as u8);
-        self.throughput = one_colour(self.throughput, chosen);
+    fn choose_channel(&mut self, u: f32) -> usize {
+        choose_colour(&mut self.channel, &mut self.throughput, u)
     }
 
     #[inline(always)]
