@@ -24,41 +24,19 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from obj import meshes
+
 GOAL = 1e-3
 TURNS = int(os.environ.get("TURNS", "5"))
 OURS = int(os.environ.get("OUR_SAMPLES", "64"))
 THEIRS = int(os.environ.get("THEIR_SAMPLES", "64"))
 
 
-def albedos(mtl):
-    """Kd by name."""
-    out, name = {}, None
-    for line in mtl.read_text().splitlines():
-        words = line.split()
-        if words[:1] == ["newmtl"]:
-            name = words[1]
-        elif words[:1] == ["Kd"]:
-            out[name] = [float(x) for x in words[1:4]]
-    return out
-
-
-def meshes(obj):
+def mitsuba_meshes(obj):
     """A Mitsuba mesh for each material of an OBJ."""
-    vertices, faces, name, kd = [], {}, None, {}
-    for line in obj.read_text().splitlines():
-        words = line.split()
-        if words[:1] == ["mtllib"]:
-            kd = albedos(obj.parent / words[1])
-        elif words[:1] == ["usemtl"]:
-            name = words[1]
-        elif words[:1] == ["v"]:
-            vertices.append([float(x) for x in words[1:4]])
-        elif words[:1] == ["f"]:
-            corner = [int(w.split("/")[0]) - 1 for w in words[1:]]
-            faces.setdefault(name, []).extend([corner[0], a, b] for a, b in zip(corner[1:], corner[2:]))
-    for name, triangles in faces.items():
+    for name, albedo, vertices, triangles in meshes(obj):
         properties = mi.Properties()
-        bsdf = {"type": "diffuse", "reflectance": {"type": "rgb", "value": kd[name]}}
+        bsdf = {"type": "diffuse", "reflectance": {"type": "rgb", "value": albedo}}
         properties["bsdf"] = mi.load_dict({"type": "twosided", "bsdf": bsdf})
         mesh = mi.Mesh(name, vertex_count=len(vertices), face_count=len(triangles), props=properties)
         parameters = mi.traverse(mesh)
@@ -89,7 +67,7 @@ def scene_of(file):
     }
     emission = {m["name"]: m for m in description.get("material", [])}
     for mesh in description["mesh"]:
-        out.update(meshes(file.parent / mesh["file"]))
+        out.update(mitsuba_meshes(file.parent / mesh["file"]))
     for i, shape in enumerate(description.get("shape", [])):
         c, u, v = (np.array(shape[k]) for k in ("center", "u", "v"))
         n = np.cross(u, v)

@@ -294,10 +294,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHAD
                 self.meet_interface(walk, &surface, hit.t)
             } else if LOBES && surface.lobes.mirror {
                 self.reflect(walk, &surface)
-            } else if VOLUME && !surface.lobes.is_plain() {
-                self.follow_through(intersector, map, walk, surface, &hit)
             } else if LOBES && !surface.lobes.is_plain() {
-                self.follow_lobes(intersector, map, walk, &surface, &hit)
+                self.follow_lobes(intersector, map, walk, surface, &hit)
             } else if walk.gathers || self.is_round(&hit) || self.is_near(map, walk, &hit) {
                 self.gather_at(intersector, map, walk, &surface, &hit)
             } else {
@@ -339,26 +337,19 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHAD
         intersector: &I,
         map: &MapView<'_>,
         walk: &mut Walk,
-        surface: &Surface,
+        mut surface: Surface,
         hit: &Hit,
     ) -> bool {
-        let (lobes, n, wo) = (&surface.lobes, surface.shading, surface.wo);
-        let albedo = lobes.diffuse_albedo(n, wo);
+        if VOLUME && surface.lobes.disperses() {
+            let channel = self.colour_of(walk);
+            surface.lobes = surface.lobes.of_channel(channel);
+        }
+        let albedo = surface.lobes.diffuse_albedo(surface.shading, surface.wo);
         if albedo != Vec3::ZERO && !map.caustics.is_empty() {
             let irradiance = map.elements.read(map.caustics, hit, surface.from_front);
             walk.radiance += walk.throughput * albedo * INV_PI * irradiance;
         }
-        self.point_like(intersector, walk, surface, if walk.seen { LIGHTS_SEEN } else { LIGHTS_GATHERED });
-        if let Some((s, factor)) = self.sample_surface_light(walk, surface) {
-            let density = s.pdf * self.lights.surface_share;
-            let weight = mis::power_heuristic(density, lobes.pdf_solid_angle(n, wo, s.wi));
-            self.add_sample(intersector, walk, surface, &s, lobes.eval(n, wo, s.wi) * (factor * weight));
-        }
-        let [u, v, lobe, survive] = walk.sampler.group4(2 + 2 * walk.depth);
-        match lobes.sample(n, wo, [u, v], lobe) {
-            Some(s) => self.go(walk, surface, s.wi, s.weight, s.pdf, survive),
-            None => false,
-        }
+        self.scatter(intersector, walk, &Vertex::Surface(&surface, walk.through.beyond))
     }
 
     /// A vertex where the light is gathered: all of it by rays, but what lights without size send through mirrors.
@@ -559,16 +550,8 @@ impl<'a, const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHAD
         if brings == Vec3::ZERO {
             return;
         }
-        if VOLUME {
-            let vertex = Vertex::Surface(surface, walk.through.beyond);
-            let left = self.clear(intersector, walk, &vertex, s);
-            walk.radiance += brings * left;
-            return;
-        }
-        walk.rays += 1;
-        if !intersector.occluded(&light::shadow_ray(s, &surface.point, surface.geometric)) {
-            walk.radiance += brings;
-        }
+        let left = self.clear(intersector, walk, &Vertex::Surface(surface, walk.through.beyond), s);
+        walk.radiance += brings * left;
     }
 }
 

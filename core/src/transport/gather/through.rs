@@ -1,10 +1,10 @@
 //! Rays back from the sensor through media and through surfaces that light passes; see [`crate::transport::volume`], whose paths go the same ways.
 
-use super::{GatherTracer, LIGHTS_GATHERED, LIGHTS_SEEN, MapView, Walk};
+use super::{GatherTracer, LIGHTS_GATHERED, LIGHTS_SEEN, Walk};
 use crate::bsdf::Interface;
 use crate::geometry::{Hit, Intersector, Ray};
 use crate::light::{self, LightSample};
-use crate::math::{INV_PI, Vec3};
+use crate::math::Vec3;
 use crate::medium::{Inside, Medium};
 use crate::scene::material_flags;
 use crate::transport::back::{Roulette, choose_colour};
@@ -144,31 +144,16 @@ impl<const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHADING:
         true
     }
 
-    /// A surface whose lobes are followed together; see [`GatherTracer::follow_lobes`].
+    /// The colour of a walk that a rough surface disperses.
     #[inline(never)]
-    pub(super) fn follow_through<I: Intersector + ?Sized>(
-        &self,
-        intersector: &I,
-        map: &MapView<'_>,
-        walk: &mut Walk,
-        mut surface: Surface,
-        hit: &Hit,
-    ) -> bool {
-        if surface.lobes.disperses() {
-            let [_, colour, ..] = walk.sampler.group4(EVENT_GROUP + 2 * walk.through.event + 1);
-            let channel = walk.colour(colour);
-            surface.lobes = surface.lobes.of_channel(channel);
-        }
-        let albedo = surface.lobes.diffuse_albedo(surface.shading, surface.wo);
-        if albedo != Vec3::ZERO && !map.caustics.is_empty() {
-            let irradiance = map.elements.read(map.caustics, hit, surface.from_front);
-            walk.radiance += walk.throughput * albedo * INV_PI * irradiance;
-        }
-        self.scatter(intersector, walk, &Vertex::Surface(&surface, walk.through.beyond))
+    pub(super) fn colour_of(&self, walk: &mut Walk) -> usize {
+        let [_, colour, ..] = walk.sampler.group4(EVENT_GROUP + 2 * walk.through.event + 1);
+        walk.colour(colour)
     }
 
     /// Samples lights and a direction, which competes with the samples of surface lights by the power heuristic.
-    fn scatter<I: Intersector + ?Sized>(
+    #[inline(always)]
+    pub(super) fn scatter<I: Intersector + ?Sized>(
         &self,
         intersector: &I,
         walk: &mut Walk,
@@ -202,7 +187,9 @@ impl<const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHADING:
         walk.vertex = vertex.leave(s.wi);
         walk.ray = Ray { origin: walk.vertex, direction: s.wi, t_max: f32::MAX };
         walk.depth += 1;
-        walk.through.leave(vertex.media(walk.through.inside, s.wi), vertex.lead(walk.vertex, s.wi));
+        if VOLUME {
+            walk.through.leave(vertex.media(walk.through.inside, s.wi), vertex.lead(walk.vertex, s.wi));
+        }
         true
     }
 
@@ -226,8 +213,23 @@ impl<const VOLUME: bool, const LOBES: bool, const TEXTURES: bool, const SHADING:
     }
 
     /// What is left of the light of a place on a light at a vertex.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn clear<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        walk: &mut Walk,
+        vertex: &Vertex<'_>,
+        s: &LightSample,
+    ) -> Vec3 {
+        if VOLUME {
+            return self.clear_through(intersector, walk, vertex, s);
+        }
+        walk.rays += 1;
+        if intersector.occluded(&vertex.towards(s)) { Vec3::ZERO } else { Vec3::ONE }
+    }
+
+    #[inline(never)]
+    fn clear_through<I: Intersector + ?Sized>(
         &self,
         intersector: &I,
         walk: &mut Walk,
