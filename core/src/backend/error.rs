@@ -34,6 +34,20 @@ pub enum BackendError {
         /// What was looked for.
         wanted: String,
     },
+    /// The device went away in the middle of a job; nothing of the job was kept.
+    DeviceLost {
+        /// The device.
+        adapter: String,
+        /// What it said.
+        reason: String,
+    },
+    /// The device refused what a job asked of it: a fault of the backend, not of the job.
+    Device {
+        /// The device.
+        adapter: String,
+        /// What it said.
+        reason: String,
+    },
     /// The device has too little of something.
     LimitExceeded {
         /// The resource.
@@ -83,6 +97,8 @@ impl fmt::Display for BackendError {
             Self::FirstShot(e) => e.fmt(f),
             Self::NoCamera => write!(f, "the scene has no [camera], and an image needs one"),
             Self::NoAdapter { wanted } => write!(f, "no adapter found: {wanted}"),
+            Self::DeviceLost { adapter, reason } => write!(f, "the device {adapter} was lost: {reason}"),
+            Self::Device { adapter, reason } => write!(f, "the device {adapter} refused a job: {reason}"),
             Self::LimitExceeded { what, asked, allowed } => {
                 write!(f, "the job needs {asked} {what}, but only {allowed} are there")
             }

@@ -1,0 +1,118 @@
+//! Pipelines, each made once for a device.
+
+use super::{Buffer, Gpu};
+use crate::shaders::Link;
+use etendue_core::backend::BackendError;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// What an entry point binds, in the order of its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Binding {
+    Uniform,
+    Read,
+    Write,
+}
+
+/// A pipeline and the layout of its one bind group.
+#[derive(Debug)]
+pub(crate) struct Pipeline {
+    pub(crate) raw: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+/// What a pipeline is known by: its root's name with what varies, and its entry point.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct PipelineKey {
+    pub(crate) name: String,
+    pub(crate) entry: &'static str,
+}
+
+/// Shader modules and pipelines made so far.
+#[derive(Debug, Default)]
+pub(super) struct Pipelines {
+    modules: HashMap<String, wgpu::ShaderModule>,
+    made: HashMap<PipelineKey, Arc<Pipeline>>,
+}
+
+impl Gpu {
+    /// The pipeline of an entry point of the shader `link`, which the name of `key` stands for.
+    pub(crate) fn pipeline(
+        &self,
+        key: PipelineKey,
+        link: Link<'_>,
+        bindings: &[Binding],
+    ) -> Result<Arc<Pipeline>, BackendError> {
+        let mut pipelines = self.pipelines.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(made) = pipelines.made.get(&key) {
+            return Ok(made.clone());
+        }
+        let module = match pipelines.modules.get(&key.name) {
+            Some(module) => module.clone(),
+            None => {
+                let text = Link { mutations: &self.mutations, ..link }
+                    .text()
+                    .map_err(|e| self.refused(e.to_string()))?;
+                let module = self.scoped(|| self.module(&key.name, text))?;
+                pipelines.modules.insert(key.name.clone(), module.clone());
+                module
+            }
+        };
+        let made = self.scoped(|| Ok(Arc::new(self.make(&key, &module, bindings))))?;
+        pipelines.made.insert(key, made.clone());
+        Ok(made)
+    }
+
+    fn make(&self, key: &PipelineKey, module: &wgpu::ShaderModule, bindings: &[Binding]) -> Pipeline {
+        let entries: Vec<_> = bindings
+            .iter()
+            .enumerate()
+            .map(|(i, b)| wgpu::BindGroupLayoutEntry {
+                binding: i as u32,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: wgpu::BindingType::Buffer {
+                    ty: match b {
+                        Binding::Uniform => wgpu::BufferBindingType::Uniform,
+                        Binding::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                        Binding::Write => wgpu::BufferBindingType::Storage { read_only: false },
+                    },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            })
+            .collect();
+        let layout = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(&key.name),
+            entries: &entries,
+        });
+        let pipeline_layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&key.name),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let raw = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(key.entry),
+            layout: Some(&pipeline_layout),
+            module,
+            entry_point: Some(key.entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        Pipeline { raw, layout }
+    }
+
+    /// Binds buffers in the order of their numbers.
+    pub(crate) fn bind(&self, pipeline: &Pipeline, buffers: &[&Buffer]) -> wgpu::BindGroup {
+        let entries: Vec<_> = buffers
+            .iter()
+            .enumerate()
+            .map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32, resource: b.raw.as_entire_binding() })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.layout,
+            entries: &entries,
+        })
+    }
+}

@@ -1,0 +1,59 @@
+use super::*;
+use etendue_core::kernel::Kernel;
+
+fn validate(name: &str, text: &str) {
+    let module = match naga::front::wgsl::parse_str(text) {
+        Ok(module) => module,
+        Err(e) => panic!("{name} does not parse:\n{}", e.emit_to_string(text)),
+    };
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+    if let Err(e) = validator.validate(&module) {
+        panic!("{name} is not valid:\n{}", e.emit_to_string(text));
+    }
+}
+
+fn link(root: &str, features: &[&str]) -> Result<String, LinkError> {
+    Link { root, features, mutations: &[] }.text()
+}
+
+#[test]
+fn every_kernel_is_valid() {
+    for kernel in Kernel::ALL.iter().filter(|k| crate::kernels::is_here(**k)) {
+        let text = link(&crate::kernels::root(*kernel), &[]).unwrap();
+        validate(kernel.name(), &text);
+    }
+}
+
+#[test]
+fn every_file_is_valid_with_what_it_uses() {
+    for (path, text) in FILES {
+        // Adaptors of kernels read words, and say so here alone.
+        let root = format!("//: use kernel::words\n//: use {}\n", path.replace('/', "::"));
+        let _ = text;
+        validate(path, &link(&root, &[]).unwrap());
+    }
+}
+
+#[test]
+fn features_choose_text() {
+    let root = "a\n//: if X\nb\n//: if Y\nc\n//: end\n//: else\nd\n//: end\n//: if not Y\ne\n//: end\n";
+    let lines = |features: &[&str]| -> String {
+        link(root, features).unwrap().lines().filter(|l| l.len() == 1).collect()
+    };
+    assert_eq!(lines(&[]), "ade");
+    assert_eq!(lines(&["X"]), "abe");
+    assert_eq!(lines(&["X", "Y"]), "abc");
+    assert_eq!(lines(&["Y"]), "ad");
+}
+
+#[test]
+fn mistakes_are_named() {
+    assert!(matches!(link("//: use nowhere", &[]), Err(LinkError::NoFile { .. })));
+    assert!(matches!(link("//: if X", &[]), Err(LinkError::Directive { line: 1, .. })));
+    assert!(matches!(link("\n//: end", &[]), Err(LinkError::Directive { line: 2, .. })));
+    assert!(matches!(link("//: frobnicate", &[]), Err(LinkError::Directive { .. })));
+    let mutation = Mutation { module: "math::bits", from: "no such text", to: "" };
+    let wrong = Link { root: "", features: &[], mutations: &[mutation] }.text();
+    assert!(matches!(wrong, Err(LinkError::Mutation { occurrences: 0, .. })));
+}
