@@ -1,5 +1,6 @@
 // Rays, what is computed once per ray, and the conservative box test.
 //: use math::vector
+//: use math::choice
 
 const NEAR: f32 = 1.0f - 3.0f * 1.1920929e-7f;
 const FAR: f32 = 1.0f + 3.0f * 1.1920929e-7f;

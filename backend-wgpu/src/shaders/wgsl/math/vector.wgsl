@@ -71,10 +71,3 @@ fn math_reflect(w: vec3<f32>, n: vec3<f32>) -> vec3<f32> {
     let twice = 2.0f * math_dot(w, n);
     return vec3(twice * n.x - w.x, twice * n.y - w.y, twice * n.z - w.z);
 }
-
-// Component by component as glam has them: `b` where either is NaN.
-fn math_min3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> { return select(b, a, a < b); }
-
-fn math_max3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> { return select(b, a, a > b); }
-
-fn math_max_element(v: vec3<f32>) -> f32 { return math_max(v.x, math_max(v.y, v.z)); }
