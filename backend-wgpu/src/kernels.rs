@@ -10,6 +10,9 @@ const WORKGROUP: u32 = 64;
 /// Items of one dispatch at most: a kernel that searches takes microseconds an item on a software device.
 const SLICE: u64 = 1 << 16;
 
+/// Kernels have all of the code: no scene says what it does without.
+pub(crate) const FEATURES: &[&str] = &["LOBES", "TEXTURES", "SHADING", "ENVIRONMENT_MAP", "COLOURED_GRIDS"];
+
 /// The file that has a kernel's adaptor: core's `evaluate` in WGSL.
 fn adaptor(kernel: Kernel) -> String {
     format!("kernel::{}", kernel.module())
@@ -63,7 +66,7 @@ pub(crate) fn map(
     }
     let text = root(kernel);
     let key = PipelineKey { name: kernel.name().into(), entry: "main" };
-    let link = Link { root: &text, features: &[], mutations: &[] };
+    let link = Link { root: &text, features: FEATURES, mutations: &[] };
     let bindings = [Binding::Uniform, Binding::Read, Binding::Read, Binding::Write];
     let pipeline = gpu.pipeline(key, link, &bindings)?;
     let widest = shape.item.max(shape.out).max(1) as u64;
