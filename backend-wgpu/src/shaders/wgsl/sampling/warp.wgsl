@@ -3,11 +3,15 @@
 //: use math::consts
 //: use math::exp_ln
 //: use math::inverse_trig
+//: use math::rounding
 //: use math::trig
 //: use math::vector
 
-// Clamps to the unit numbers; NaN and -0 become 0.
-fn warp_unit(u: f32) -> f32 { return math_min_number(math_max_number(u, 0.0f), ONE_MINUS_EPSILON) + 0.0f; }
+// Clamps to the unit numbers; NaN becomes 0, and so does -0, which drivers lose in sums with 0.
+fn warp_unit(u: f32) -> f32 {
+    if u > 0.0f { return math_min(u, ONE_MINUS_EPSILON); }
+    return 0.0f;
+}
 
 fn warp_sin_cos_turns(u: f32) -> SinCos {
     let quarters = 4.0f * u;
