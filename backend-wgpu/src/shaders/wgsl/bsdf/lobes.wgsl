@@ -40,15 +40,17 @@ fn lobes_diffuse(albedo: vec3<f32>) -> Lobes {
     //: end
 }
 
-//: if LOBES
 fn lobes_plain(albedo: vec3<f32>, specular: vec3<f32>, exponent: f32, mirror: bool) -> Lobes {
     var lobes = lobes_diffuse(albedo);
+    //: if LOBES
     lobes.specular = specular;
     lobes.exponent = exponent;
     lobes.mirror = mirror;
+    //: end
     return lobes;
 }
 
+//: if LOBES
 fn lobes_of_metal(rough: Rough, eta: vec3<f32>, k: vec3<f32>) -> Lobes {
     var lobes = lobes_diffuse(vec3(0.0f));
     lobes.finish = FINISH_METAL;
