@@ -44,3 +44,5 @@ fn math_max3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 fn math_component(v: vec3<f32>, k: u32) -> f32 {
     return select(select(v.z, v.y, k == 1u), v.x, k == 0u);
 }
+
+fn math_max_element(v: vec3<f32>) -> f32 { return math_max(v.x, math_max(v.y, v.z)); }
