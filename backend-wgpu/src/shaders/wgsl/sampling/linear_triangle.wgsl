@@ -109,7 +109,7 @@ fn linear_triangle_distance(w: vec3<f32>, xi: f32) -> vec2<f32> {
         + linear_triangle_halley(rhs - z0 * z0 * (w3 + tz), z0 * (2.0f * w3 + 3.0f * tz), w3 + 3.0f * tz);
     let z = linear_triangle_twelve_bits(better);
     let x = z * down;
-    let t_high = math_upper8(t);
+    let t_high = math_upper12(t);
     let gg = math_two_sum(w3, t_high * x);
     let g_low = gg.error + (w3_low + (t - t_high) * x + t_low * x);
     let tx = t * x;

@@ -72,13 +72,14 @@ fn warp_invert_disk(p: vec2<f32>) -> vec2<f32> {
     let r = sqrt(p.x * p.x + p.y * p.y);
     var a = 0.0f;
     var b = 0.0f;
-    if r == 0.0f {
-    } else if math_abs(p.x) > math_abs(p.y) {
-        a = math_copysign(r, p.x);
-        b = r * (math_atan2(p.y, math_abs(p.x)) * (4.0f / PI));
-    } else {
-        b = math_copysign(r, p.y);
-        a = r * (math_atan2(p.x, math_abs(p.y)) * (4.0f / PI));
+    if r != 0.0f {
+        if math_abs(p.x) > math_abs(p.y) {
+            a = math_copysign(r, p.x);
+            b = r * (math_atan2(p.y, math_abs(p.x)) * (4.0f / PI));
+        } else {
+            b = math_copysign(r, p.y);
+            a = r * (math_atan2(p.x, math_abs(p.y)) * (4.0f / PI));
+        }
     }
     return vec2(warp_unit(0.5f * (a - WARP_HALF_CELL) + 0.5f), warp_unit(0.5f * (b - WARP_HALF_CELL) + 0.5f));
 }
