@@ -11,8 +11,11 @@ const TONE_NONE: u32 = 2u;
 
 struct ToneSettings { map: u32, exposure: f32, gamma_a: f32, gamma_c: f32, gamma: f32 }
 
-// The sum makes +0 of -0.
-fn tone_light(x: f32) -> f32 { return math_min_number(math_max_number(x, 0.0f), MAX_FLOAT) + 0.0f; }
+// NaN becomes 0, and so does -0, which drivers lose in sums with 0.
+fn tone_light(x: f32) -> f32 {
+    if x > 0.0f { return math_min(x, MAX_FLOAT); }
+    return 0.0f;
+}
 
 fn tone_exposure_factor(stops_in: f32) -> f32 {
     if math_is_nan(stops_in) { return 1.0f; }

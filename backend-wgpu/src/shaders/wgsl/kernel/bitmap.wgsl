@@ -11,7 +11,7 @@ fn scene_word(i: u32) -> u32 { return constants[i]; }
 fn scene_float(i: u32) -> f32 { return bitmap_srgb_to_linear(i); }
 
 fn texel(i: u32) -> u32 {
-    if 2u + i < arrayLength(&constants) { return constants[2u + i]; }
+    if 2u + i < constant_count { return constants[2u + i]; }
     return 0u;
 }
 
