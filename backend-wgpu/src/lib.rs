@@ -17,7 +17,7 @@ pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;
 
-use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};
+use etendue_core::backend::{Arithmetic, Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::Kernel;
 use etendue_core::scene::CompiledScene;
 use gpu::Source;
@@ -111,6 +111,11 @@ impl Backend for WgpuBackend {
 
     fn capabilities(&self) -> Capabilities {
         Capabilities { path: true, kernels: true, ..Capabilities::default() }
+    }
+
+    fn arithmetic(&self) -> Arithmetic {
+        // A device that does not answer promises nothing.
+        self.source.run(|gpu| gpu.arithmetic()).unwrap_or_default()
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

@@ -156,12 +156,7 @@ fn block_words(blocks: &[Block]) -> Vec<u32> {
 }
 
 /// How many items of so many bytes go into the first of two buffers; an error where both are too small.
-fn split(
-    what: &'static str,
-    count: usize,
-    each: usize,
-    allowed: u64,
-) -> Result<usize, BackendError> {
+fn split(what: &'static str, count: usize, each: usize, allowed: u64) -> Result<usize, BackendError> {
     let fit = (allowed / each as u64) as usize;
     if count > 2 * fit {
         let asked = count as u64 * each as u64;

@@ -14,6 +14,9 @@ use std::fmt::Write as _;
 
 include!(concat!(env!("OUT_DIR"), "/files.rs"));
 
+/// The feature of devices whose compilers reorder sums and fuse products: `math_kept` hides from them what must be as written.
+pub(crate) const REORDERED: &str = "REORDERED";
+
 /// A part of a shader that a test replaces, to see that the suite notices.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mutation {
@@ -41,7 +44,10 @@ impl std::fmt::Display for LinkError {
                 write!(f, "shader `{module}`, line {line}: directive `{text}` is not understood here")
             }
             Self::Mutation { module, occurrences } => {
-                write!(f, "the text to replace in shader `{module}` occurs {occurrences} times, expected once")
+                write!(
+                    f,
+                    "the text to replace in shader `{module}` occurs {occurrences} times, expected once"
+                )
             }
         }
     }
@@ -84,11 +90,8 @@ impl Link<'_> {
         let mut open: Vec<bool> = Vec::new();
         let mut own = String::new();
         for (number, line) in text.lines().enumerate() {
-            let wrong = || LinkError::Directive {
-                module: module.into(),
-                line: number + 1,
-                text: line.trim().into(),
-            };
+            let wrong =
+                || LinkError::Directive { module: module.into(), line: number + 1, text: line.trim().into() };
             let Some(directive) = line.trim_start().strip_prefix("//:") else {
                 if open.iter().all(|on| *on) {
                     own.push_str(line);
@@ -99,10 +102,9 @@ impl Link<'_> {
             match *directive.split_whitespace().collect::<Vec<_>>() {
                 ["use", wanted] if open.iter().all(|on| *on) => {
                     if seen.insert(wanted.into()) {
-                        let text = self.file(wanted).ok_or_else(|| LinkError::NoFile {
-                            wanted: wanted.into(),
-                            by: module.into(),
-                        })?;
+                        let text = self
+                            .file(wanted)
+                            .ok_or_else(|| LinkError::NoFile { wanted: wanted.into(), by: module.into() })?;
                         self.add(wanted, &text, seen, out)?;
                     }
                 }

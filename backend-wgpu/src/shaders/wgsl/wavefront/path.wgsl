@@ -19,6 +19,8 @@ struct PathJob {
     // Where probes begin among the words of the states; 0 for images.
     probes: u32,
     width: u32,
+    // For `math_opaque`.
+    zero: u32,
 }
 
 @group(0) @binding(1) var<uniform> job: PathJob;
@@ -112,6 +114,9 @@ fn wave_slot(id: u32) -> u32 {
 
 @compute @workgroup_size(64)
 fn start(@builtin(global_invocation_id) id: vec3<u32>) {
+//: if REORDERED
+    math_opaque = job.zero;
+//: end
     let slot = id.x;
     if slot >= job.count { return; }
     let unit = job.first_element + slot / job.samples;
@@ -156,6 +161,9 @@ fn wave_probe(at: u32) -> vec3<f32> {
 
 @compute @workgroup_size(64)
 fn trace(@builtin(global_invocation_id) id: vec3<u32>) {
+//: if REORDERED
+    math_opaque = job.zero;
+//: end
     let slot = wave_slot(id.x);
     if slot == job.slots { return; }
     let hit = tree_walk(wave_ray(slot), wave_get(slot, ROW_QUERY) == QUERY_SHADOW);
@@ -168,6 +176,9 @@ fn trace(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(64)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
+//: if REORDERED
+    math_opaque = job.zero;
+//: end
     let slot = wave_slot(id.x);
     if slot == job.slots { return; }
     var state = wave_load(slot);
