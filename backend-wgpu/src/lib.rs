@@ -5,15 +5,19 @@
 
 mod gpu;
 mod kernels;
+mod relight;
 mod shaders;
 
 pub use gpu::{AdapterName, adapters};
+pub use relight::{BlocksOperator, Operator, RelightFailure};
 pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;
 
 use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::Kernel;
+use etendue_core::radiosity::blocks::BlockOperator;
+use etendue_core::radiosity::relight::Relighter;
 use etendue_core::scene::CompiledScene;
 use gpu::Gpu;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -48,6 +52,7 @@ pub struct WgpuBackend {
     origin: Origin,
     options: Options,
     gpu: Mutex<Arc<Gpu>>,
+    prepared: relight::Prepared,
 }
 
 impl WgpuBackend {
@@ -82,7 +87,7 @@ impl WgpuBackend {
     pub async fn request_async(name: Option<&str>, options: Options) -> Result<Self, BackendError> {
         let origin = Origin::Adapter(name.map(Into::into));
         let gpu = make(&origin, &options).await?;
-        Ok(Self { origin, options, gpu: Mutex::new(Arc::new(gpu)) })
+        Ok(Self { origin, options, gpu: Mutex::new(Arc::new(gpu)), prepared: relight::Prepared::default() })
     }
 
     /// Computes on a host's device. Its errors are caught in scopes of this backend's own; if the device is lost, so are the
@@ -90,7 +95,8 @@ impl WgpuBackend {
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let options = Options::default();
         let gpu = Gpu::new((device, queue), None, Vec::new());
-        Self { origin: Origin::Host, options, gpu: Mutex::new(Arc::new(gpu)) }
+        let gpu = Mutex::new(Arc::new(gpu));
+        Self { origin: Origin::Host, options, gpu, prepared: relight::Prepared::default() }
     }
 
     fn gpu(&self) -> Arc<Gpu> {
@@ -118,6 +124,24 @@ impl WgpuBackend {
             *gpu = Arc::new(pollster::block_on(make(&self.origin, &self.options))?);
         }
         Ok(gpu.clone())
+    }
+
+    /// The relighter on the device, where the last one that was asked for stays.
+    ///
+    /// # Errors
+    /// When it does not fit the device.
+    #[doc(hidden)]
+    pub fn operator(&self, relighter: &Relighter) -> Result<Arc<Operator>, BackendError> {
+        self.prepared.tiles(&self.gpu(), relighter)
+    }
+
+    /// The same for an operator in blocks.
+    ///
+    /// # Errors
+    /// As [`Self::operator`].
+    #[doc(hidden)]
+    pub fn blocks_operator(&self, operator: &BlockOperator) -> Result<Arc<BlocksOperator>, BackendError> {
+        self.prepared.blocks(&self.gpu(), operator)
     }
 
     /// Destroys the device, as if it had been lost.

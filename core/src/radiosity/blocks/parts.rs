@@ -4,6 +4,7 @@ use super::decode::lookup;
 use super::stripe::Quad;
 use super::{BlockOperator, SIDE, block_rows};
 use crate::codec::log_offset::LogOffsetError;
+use crate::radiosity::identity::Identity;
 use crate::radiosity::operator::OperatorError;
 use crate::radiosity::polynomial::SolveError;
 use alloc::vec;
@@ -384,6 +385,7 @@ impl BlockOperator {
             albedo: vec![Quad::default(); rows],
             into: vec![[0.0; SIDE]; rows],
             out: vec![[0.0; SIDE]; rows],
+            identity: Identity::fresh(),
         };
         for row in 0..n {
             let albedo = made.parts.albedo[made.patch(row)];
