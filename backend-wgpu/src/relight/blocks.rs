@@ -116,12 +116,10 @@ impl BlocksOperator {
         let mut fixed = [view.into.as_flattened(), view.out.as_flattened()].concat();
         fixed.extend(view.albedo.as_flattened().as_flattened());
         let fixed = gpu.upload("fixed numbers of rows", words(&fixed))?;
-        let (start, x, y) =
-            (gpu.room("start", numbers)?, gpu.room("x", numbers)?, gpu.room("y", numbers)?);
+        let (start, x, y) = (gpu.room("start", numbers)?, gpu.room("x", numbers)?, gpu.room("y", numbers)?);
         let part = gpu.uniform("rows of blocks", &[rows as u32, 0, 0, 0]);
         let step = |entry: &'static str| -> Result<Dispatch, BackendError> {
-            let bindings =
-                [Binding::Uniform, Binding::Read, Binding::Read, Binding::Write, Binding::Write];
+            let bindings = [Binding::Uniform, Binding::Read, Binding::Read, Binding::Write, Binding::Write];
             let link = Link { root: "//: use relight::blocks_bounce", features: &[], mutations: &[] };
             let key = PipelineKey { name: "relight::blocks_bounce".into(), entry };
             let pipeline = gpu.pipeline(key, link, &bindings)?;

@@ -23,12 +23,12 @@ pub(super) fn row_start(parts: &Parts, row: usize) -> usize {
     if parts.half { row * (row + 1) / 2 } else { row * block_rows(parts.albedo.len()) }
 }
 
-/// Words of a kept entry.
+/// Words of a kept entry; of halves, channels are odd, and the column makes them even.
 fn entry_words(parts: &Parts) -> usize {
     let channels = parts.format.channels();
     match &parts.entries {
         Entries::Full { .. } => 1 + channels,
-        Entries::Short { .. } => (1 + channels) / 2,
+        Entries::Short { .. } => channels.div_ceil(2),
     }
 }
 

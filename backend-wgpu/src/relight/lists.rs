@@ -93,9 +93,11 @@ impl Part {
         for (row, start) in (first..end).zip(&starts[first..end]) {
             self.rows.starts.push(self.rows.heads.len() as u32);
             let mut list: Vec<_> = row_tiles(tiles, row, *start).collect();
-            list.sort_by_key(|(column, kind, _)| {
-                if *column == row { (usize::MAX, 0) } else { (column / CHUNK, *kind as usize) }
-            });
+            list.sort_by_key(
+                |(column, kind, _)| {
+                    if *column == row { (usize::MAX, 0) } else { (column / CHUNK, *kind as usize) }
+                },
+            );
             for tile in list {
                 let place = (self.codes.len() as u32 / 2) << 4;
                 push_codes(&mut self.codes, tiles.payload(), tile);
@@ -139,8 +141,8 @@ pub(super) fn parts(matrices: &[&Tiles], limit: u64) -> Result<Vec<Part>, Backen
         let end = rows.min(first + STRIPE_ROWS);
         let mut own = Sizes::default();
         for (tiles, starts) in matrices.iter().zip(&starts) {
-            for row in first..end {
-                for (_, kind, _) in row_tiles(tiles, row, starts[row]) {
+            for (row, start) in (first..end).zip(&starts[first..end]) {
+                for (_, kind, _) in row_tiles(tiles, row, *start) {
                     own.codes += 4 * code_words(kind) as u64;
                     own.heads += 8;
                 }

@@ -37,23 +37,12 @@ pub(super) struct Product {
 
 impl Product {
     /// One matrix for all channels, or one for each of three. `x` and `y` are in runs of eight, three channels each.
-    pub(super) fn new(
-        gpu: &Gpu,
-        matrices: &[&Tiles],
-        x: &Buffer,
-        y: &Buffer,
-    ) -> Result<Self, BackendError> {
+    pub(super) fn new(gpu: &Gpu, matrices: &[&Tiles], x: &Buffer, y: &Buffer) -> Result<Self, BackendError> {
         let one = matrices.len() > 1;
         let features: &[&str] = if one { &["ONE"] } else { &[] };
         let name = if one { "relight::product, one channel" } else { "relight::product" };
-        let bindings = [
-            Binding::Uniform,
-            Binding::Read,
-            Binding::Read,
-            Binding::Read,
-            Binding::Read,
-            Binding::Write,
-        ];
+        let bindings =
+            [Binding::Uniform, Binding::Read, Binding::Read, Binding::Read, Binding::Read, Binding::Write];
         let pipeline = |entry: &'static str| {
             let link = Link { root: "//: use relight::product", features, mutations: &[] };
             gpu.pipeline(PipelineKey { name: name.into(), entry }, link, &bindings)
@@ -66,8 +55,7 @@ impl Product {
         for Part { first, count, codes, rows: row_list, columns: column_list } in parts {
             let shape = gpu.uniform("part of tiles", &[first as u32, count as u32, 0, 0]);
             let code_buffer = gpu.upload("codes of tiles", &codes)?;
-            for (pipeline, list, count) in
-                [(&rows, row_list, count), (&columns, column_list, first + count)]
+            for (pipeline, list, count) in [(&rows, row_list, count), (&columns, column_list, first + count)]
             {
                 let List { starts, heads } = list;
                 let starts = gpu.upload("starts of tiles", &starts)?;

@@ -75,15 +75,16 @@ fn blocks_entry_kept(i: u32) -> BlocksKept {
 var<workgroup> blocks_lanes: array<vec3<f32>, 64>;
 var<workgroup> blocks_kept_sums: array<vec3<f32>, 32>;
 
-// A workgroup has four rows of blocks, sixteen invocations each.
+// A workgroup has four rows of blocks, sixteen invocations each; the longest rows begin first.
 @compute @workgroup_size(64)
 fn blocks_rows(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let index = 4u * (group.y * groups.x + group.x) + lane / 16u;
-    let here = index < blocks_part.count;
+    let turn = 4u * (group.y * groups.x + group.x) + lane / 16u;
+    let here = turn < blocks_part.count;
+    let index = blocks_part.count - 1u - turn;
     let row = blocks_part.first + index;
     let e = lane & 15u;
     var sum: vec3<f32>;

@@ -56,15 +56,16 @@ fn tiles_lanes_pairwise(i: u32) -> TilesValue {
     );
 }
 
-// A workgroup has a row of tiles, an invocation an entry of each: its list is in the order of sums, the diagonal last.
+// A workgroup has a row of tiles, an invocation an entry of each: its list is in the order of sums, the diagonal last. The longest rows begin first.
 @compute @workgroup_size(64)
 fn tiles_rows(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let index = group.y * groups.x + group.x;
-    let here = index < tiles_part.count;
+    let turn = group.y * groups.x + group.x;
+    let here = turn < tiles_part.count;
+    let index = tiles_part.count - 1u - turn;
     let row = tiles_part.first + index;
     let r = lane >> 3u;
     let k = lane & 7u;
@@ -73,8 +74,12 @@ fn tiles_rows(
     if here {
         let at = group.z * (tiles_part.count + 1u) + index;
         let end = tiles_starts[at + 1u];
-        for (var i = tiles_starts[at]; i < end; i++) {
-            let head = tiles_head(tiles_list[i]);
+        var i = tiles_starts[at];
+        // Read one ahead: what it points to can then be asked for at once.
+        var next = tiles_list[i];
+        for (; i < end; i++) {
+            let head = tiles_head(next);
+            next = tiles_list[i + 1u];
             let x = tiles_load(head.other, group.z, k);
             if head.other == row {
                 sum = sum + (head.unit * tiles_entry(head, r, k)) * x;
@@ -169,8 +174,11 @@ fn tiles_columns(
         let stripe = first + s;
         var sum: TilesValue;
         if here && stripe < stripes {
-            for (var i = tiles_seek(begin, end, stripe * TILES_STRIPE); i < end; i++) {
-                let head = tiles_head(tiles_list[i]);
+            var i = tiles_seek(begin, end, stripe * TILES_STRIPE);
+            var next = tiles_list[i];
+            for (; i < end; i++) {
+                let head = tiles_head(next);
+                next = tiles_list[i + 1u];
                 if head.other >= (stripe + 1u) * TILES_STRIPE { break; }
                 sum = sum + tiles_sent(head, group.z, k);
             }
