@@ -15,7 +15,6 @@ mod schedule;
 mod session;
 mod simd;
 mod stripes;
-pub mod tree;
 
 use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::{self, Kernel};
@@ -23,6 +22,8 @@ use etendue_core::scene::CompiledScene;
 use rayon::prelude::*;
 use std::sync::Arc;
 
+/// The trees that sessions walk.
+pub use etendue_tree as tree;
 pub use linear::{Linear, ParallelOperator, WideOperator, WideStripe};
 pub use session::CpuSession;
 
@@ -87,7 +88,7 @@ impl Backend for CpuBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, bidirectional: true, kernels: true }
+        Capabilities { path: true, bidirectional: true, volume: true, kernels: true }
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

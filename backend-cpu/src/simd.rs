@@ -54,12 +54,7 @@ pub(crate) fn has_avx2() -> bool {
     if tests::MOST.get() < 8 {
         return false;
     }
-    std::is_x86_feature_detected!("avx2")
-        && std::is_x86_feature_detected!("fma")
-        && std::is_x86_feature_detected!("bmi1")
-        && std::is_x86_feature_detected!("bmi2")
-        && std::is_x86_feature_detected!("lzcnt")
-        && std::is_x86_feature_detected!("popcnt")
+    etendue_tree::Isa::Avx2.is_here()
 }
 
 /// Whether it also has registers of sixteen.

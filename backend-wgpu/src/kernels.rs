@@ -10,6 +10,9 @@ const WORKGROUP: u32 = 64;
 /// Items of one dispatch at most: a kernel that searches takes microseconds an item on a software device.
 const SLICE: u64 = 1 << 16;
 
+/// Kernels have all of the code: no scene says what it does without.
+pub(crate) const FEATURES: &[&str] = &["LOBES", "TEXTURES", "SHADING", "ENVIRONMENT_MAP", "COLOURED_GRIDS"];
+
 /// The file that has a kernel's adaptor: core's `evaluate` in WGSL.
 fn adaptor(kernel: Kernel) -> String {
     format!("kernel::{}", kernel.module())
@@ -30,11 +33,12 @@ pub(crate) fn root(kernel: Kernel) -> String {
     format!(
         "//: use kernel::words
 //: use {module}
-struct Batch {{ count: u32, pad0: u32, pad1: u32, pad2: u32 }}
+struct Batch {{ count: u32, constants: u32, pad0: u32, pad1: u32 }}
 @group(0) @binding(0) var<uniform> batch: Batch;
 @compute @workgroup_size({WORKGROUP})
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
     if id.x >= batch.count {{ return; }}
+    constant_count = batch.constants;
     start_item(id.x * {item}u, id.x * {out}u, {out}u);
     {entry}();
 }}
@@ -63,17 +67,18 @@ pub(crate) fn map(
     }
     let text = root(kernel);
     let key = PipelineKey { name: kernel.name().into(), entry: "main" };
-    let link = Link { root: &text, features: &[], mutations: &[] };
+    let link = Link { root: &text, features: FEATURES, mutations: &[] };
     let bindings = [Binding::Uniform, Binding::Read, Binding::Read, Binding::Write];
     let pipeline = gpu.pipeline(key, link, &bindings)?;
     let widest = shape.item.max(shape.out).max(1) as u64;
     let slice = SLICE.min(gpu.binding_bytes() / (4 * widest)).min(gpu.dispatch_items(WORKGROUP)) as usize;
     gpu.scoped(|| {
+        let constant_count = constants.len() as u32;
         let constants = gpu.upload("constants", constants)?;
         let pairs = items.chunks(slice * shape.item).zip(out.chunks_mut(slice * shape.out));
         for (items, out) in pairs {
             let count = (items.len() / shape.item) as u32;
-            let uniform = gpu.uniform("batch", &[count, 0, 0, 0]);
+            let uniform = gpu.uniform("batch", &[count, constant_count, 0, 0]);
             let input = gpu.upload("items", items)?;
             let output = gpu.room("results", out.len() as u64)?;
             let group = gpu.bind(&pipeline, &[&uniform, &constants, &input, &output]);

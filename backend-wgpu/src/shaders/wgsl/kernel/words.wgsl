@@ -4,6 +4,8 @@
 @group(0) @binding(2) var<storage, read> items: array<u32>;
 @group(0) @binding(3) var<storage, read_write> results: array<u32>;
 
+// How many constants there are: the buffer may be longer, as none is shorter than 16 bytes.
+var<private> constant_count: u32;
 var<private> item_at: u32;
 var<private> constant_at: u32;
 var<private> result_at: u32;
@@ -63,4 +65,11 @@ fn put3(v: vec3<f32>) {
     put(v.x);
     put(v.y);
     put(v.z);
+}
+
+fn put_words4(x: vec4<u32>) {
+    put_word(x.x);
+    put_word(x.y);
+    put_word(x.z);
+    put_word(x.w);
 }

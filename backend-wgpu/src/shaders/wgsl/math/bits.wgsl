@@ -25,6 +25,12 @@ fn math_copysign(x: f32, sign: f32) -> f32 {
     return bitcast<f32>((bitcast<u32>(x) & 0x7fffffffu) | (bitcast<u32>(sign) & 0x80000000u));
 }
 
+// 0 for either zero: the twin of `x + 0.0`, which drivers drop.
+fn math_positive_zero(x: f32) -> f32 {
+    let bits = bitcast<u32>(x);
+    return bitcast<f32>(select(bits, 0u, bits == 0x80000000u));
+}
+
 fn math_u32_to_unit(x: u32) -> f32 { return f32(x >> 8u) * (1.0f / 16777216.0f); }
 
 fn math_pow2(k: i32) -> f32 { return bitcast<f32>(u32(k + 127) << 23u); }

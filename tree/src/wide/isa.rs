@@ -20,7 +20,7 @@ impl Isa {
     pub fn is_here(self) -> bool {
         match self {
             Self::Portable => true,
-            Self::Avx2 => crate::simd::has_avx2(),
+            Self::Avx2 => has_avx2(),
         }
     }
 
@@ -28,6 +28,21 @@ impl Isa {
     pub fn widest() -> Self {
         if Self::Avx2.is_here() { Self::Avx2 } else { Self::Portable }
     }
+}
+
+/// All that the walk is compiled for.
+fn has_avx2() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        std::is_x86_feature_detected!("avx2")
+            && std::is_x86_feature_detected!("fma")
+            && std::is_x86_feature_detected!("bmi1")
+            && std::is_x86_feature_detected!("bmi2")
+            && std::is_x86_feature_detected!("lzcnt")
+            && std::is_x86_feature_detected!("popcnt")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    false
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -92,6 +92,16 @@ impl WideTree {
         (self.converted.nodes.len(), self.converted.blocks.len(), self.converted.depth)
     }
 
+    /// The tree as it lies in memory, for backends with walks of their own.
+    pub fn parts(&self) -> Parts<'_> {
+        Parts {
+            nodes: &self.converted.nodes,
+            blocks: &self.converted.blocks,
+            root: self.converted.root,
+            depth: self.converted.depth,
+        }
+    }
+
     /// The closest hits of rays that run alike, those of neighbouring pixels say: eight at a time. The same hits as one by one;
     /// order rays so that eight neighbours have one direction, about.
     ///
@@ -134,6 +144,19 @@ impl WideTree {
             fit: self.fit,
         }
     }
+}
+
+/// A tree's memory; see [`layout`].
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<'a> {
+    /// Nodes, each before its children.
+    pub nodes: &'a [layout::Node],
+    /// Leaf blocks.
+    pub blocks: &'a [layout::Block],
+    /// The root as a child word.
+    pub root: u32,
+    /// Nodes on the longest way down: a stack needs 7 (depth - 1) + 8 entries.
+    pub depth: usize,
 }
 
 /// The primitives with a box, those without (NaN vertices among them: nothing hits them), and the largest coordinate of all

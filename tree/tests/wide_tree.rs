@@ -2,7 +2,7 @@
 
 use etendue_core::geometry::{BruteForce, Hit, Intersector, Primitives, Ray, RoundShape};
 use etendue_core::math::Vec3;
-use etendue_cpu::tree::{Effort, Isa, RefitError, WideTree};
+use etendue_tree::{Effort, Isa, RefitError, WideTree};
 
 /// Weyl sequence with the finaliser of splitmix64.
 struct Random(u64);

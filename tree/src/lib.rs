@@ -14,7 +14,7 @@ mod wide;
 pub use obvhs_walk::{Bvh2Tree, CwbvhTree};
 pub use packed::Effort;
 pub use walk::WalkTree;
-pub use wide::{Isa, RefitError, WideTree, layout};
+pub use wide::{Isa, Parts, RefitError, WideTree, layout};
 
 /// The tree that sessions use.
 pub type Tree = WideTree;

@@ -3,7 +3,7 @@
 #[path = "../../core/tests/geometry_closed.rs"]
 mod closed;
 
-use etendue_cpu::tree::{Isa, WideTree};
+use etendue_tree::{Isa, WideTree};
 
 fn each_set(levels: u32, grid: i32, rays: usize) {
     for isa in [Isa::Portable, Isa::Avx2].into_iter().filter(|i| i.is_here()) {

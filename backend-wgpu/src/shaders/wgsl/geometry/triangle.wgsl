@@ -1,0 +1,41 @@
+// The watertight test of a triangle (Woop, Benthin and Wald 2013), in core's order.
+//: use geometry::ray
+
+struct TriangleHit { hit: bool, t: f32, b1: f32, b2: f32 }
+
+fn geometry_intersect_triangle(
+    ray: PreparedRay,
+    v0: vec3<f32>,
+    v1: vec3<f32>,
+    v2: vec3<f32>,
+    t_max: f32,
+) -> TriangleHit {
+    let miss = TriangleHit(false, 0.0f, 0.0f, 0.0f);
+    let a = geometry_rotate(ray.axis, v0 - ray.origin);
+    let b = geometry_rotate(ray.axis, v1 - ray.origin);
+    let c = geometry_rotate(ray.axis, v2 - ray.origin);
+    let s = ray.shear.xy;
+    let p = a.xy - s * a.z;
+    let q = b.xy - s * b.z;
+    let r = c.xy - s * c.z;
+    let e0 = r.x * q.y - r.y * q.x;
+    let e1 = p.x * r.y - p.y * r.x;
+    let e2 = q.x * p.y - q.y * p.x;
+    let negative = e0 < 0.0f || e1 < 0.0f || e2 < 0.0f;
+    let positive = e0 > 0.0f || e1 > 0.0f || e2 > 0.0f;
+    if negative && positive { return miss; }
+    let det = e0 + e1 + e2;
+    // Infinity and NaN end here, by their bits.
+    if !math_is_finite(det) || det == 0.0f { return miss; }
+    let sz = ray.shear.z;
+    var t = (e0 * (a.z * sz) + e1 * (b.z * sz) + e2 * (c.z * sz)) / det;
+    let lo = math_min3(math_min3(v0, v1), v2);
+    let hi = math_max3(math_max3(v0, v1), v2);
+    let own = geometry_slab_interval(ray, lo, hi);
+    if t > own.y { t = own.y; }
+    if t < own.x { t = own.x; }
+    if !(t >= 0.0f && t <= t_max && math_is_finite(t) && own.x <= own.y) { return miss; }
+    let b1 = e1 / det;
+    let b2 = math_min_number(e2 / det, 1.0f - b1);
+    return TriangleHit(true, math_positive_zero(t), math_positive_zero(b1), math_positive_zero(b2));
+}

@@ -1,0 +1,133 @@
+// Path tracing from the sensor with light sampling and multiple importance sampling: core's state machine, one step between two rays.
+//: use transport::surface
+//: use transport::mis
+//: use light
+//: use sampling::sobol
+//: use math::consts
+
+const QUERY_DONE: u32 = 0u;
+const QUERY_CLOSEST: u32 = 1u;
+const QUERY_SHADOW: u32 = 2u;
+
+// `ray` is what is asked: the shadow ray, or the ray to follow, which starts at `vertex` into `next`.
+struct PathState {
+    sampler: BlockSampler,
+    radiance: vec3<f32>,
+    throughput: vec3<f32>,
+    pending: vec3<f32>,
+    next: vec3<f32>,
+    pdf: f32,
+    vertex: vec3<f32>,
+    depth: u32,
+    ray: Ray,
+    query: u32,
+}
+
+const ROULETTE_FROM: u32 = 5u;
+const SURVIVAL_MAX: f32 = 0.95f;
+
+fn path_new(sampler: BlockSampler) -> PathState {
+    var state: PathState;
+    state.sampler = sampler;
+    state.throughput = vec3(1.0f);
+    return state;
+}
+
+fn path_follow(state: ptr<function, PathState>) {
+    if math_is_zero3((*state).next) {
+        (*state).query = QUERY_DONE;
+        return;
+    }
+    (*state).ray = Ray((*state).vertex, (*state).next, MAX_FLOAT);
+    (*state).depth += 1u;
+    (*state).query = QUERY_CLOSEST;
+}
+
+// Light sampling: what it brings, and whether a ray must be free.
+fn path_sample_light(state: ptr<function, PathState>, surface: Surface, group: u32) -> bool {
+    if scene_at.light_count == 0u || !lobes_has_density(surface.lobes) { return false; }
+    let bits = sobol_bits4((*state).sampler, group);
+    let s = light_sample_lights(surface.point.position, bits.xyz);
+    if !s.found || math_dot(s.wi, surface.geometric) <= 0.0f { return false; }
+    let cos = math_dot(s.wi, surface.shading);
+    let f = lobes_eval(surface.lobes, surface.shading, surface.wo, s.wi);
+    var pending = (*state).throughput * f * s.contribution * math_max_number(cos, 0.0f);
+    if s.pdf > 0.0f {
+        let other = lobes_pdf_solid_angle(surface.lobes, surface.shading, surface.wo, s.wi);
+        pending *= mis_power_heuristic(s.pdf, other);
+    }
+    if math_is_zero3(pending) { return false; }
+    (*state).pending = pending;
+    (*state).ray = light_shadow_ray(s, surface.point, surface.geometric);
+    return true;
+}
+
+// Samples a light and a direction at a vertex.
+fn path_scatter(state: ptr<function, PathState>, surface: Surface) {
+    let depth = (*state).depth;
+    let shadow = path_sample_light(state, surface, 1u + 2u * depth);
+    (*state).next = vec3(0.0f);
+    let u = sobol_group4((*state).sampler, 2u + 2u * depth);
+    let s = lobes_sample(surface.lobes, surface.shading, surface.wo, u.xy, u.z);
+    var goes_on = s.found;
+    //: if SHADING
+    // An interpolated normal can send light through the surface; such directions carry nothing.
+    goes_on = goes_on && math_dot(s.wi, surface.geometric) > 0.0f;
+    //: end
+    if goes_on {
+        var after = (*state).throughput * s.weight;
+        if depth + 1u < ROULETTE_FROM {
+            goes_on = !math_is_zero3(after);
+        } else {
+            let q = math_min_number(math_max_component(s.weight), SURVIVAL_MAX);
+            goes_on = u.w < q;
+            after = after / q;
+        }
+        if goes_on {
+            (*state).throughput = after;
+            (*state).pdf = s.pdf;
+            (*state).vertex = geometry_offset_origin(surface.point, surface.geometric, s.wi);
+            (*state).next = s.wi;
+        }
+    }
+    if shadow {
+        (*state).query = QUERY_SHADOW;
+    } else {
+        path_follow(state);
+    }
+}
+
+fn path_start_probe(sampler: BlockSampler, point: SurfacePoint, n: vec3<f32>, max_depth: u32) -> PathState {
+    var state = path_new(sampler);
+    state.throughput = vec3(PI);
+    if max_depth >= 1u { path_scatter(&state, surface_white(point, n)); }
+    return state;
+}
+
+// The path has reached a surface, or nothing.
+fn path_arrive(state: ptr<function, PathState>, hit: Hit, max_depth: u32) {
+    let ray = (*state).ray;
+    (*state).query = QUERY_DONE;
+    if hit.primitive == TREE_NOTHING {
+        (*state).radiance += (*state).throughput * light_escaped(ray.direction, (*state).pdf, 1.0f);
+        return;
+    }
+    let surface = surface_at(ray, hit);
+    if !surface.found { return; }
+    if surface.light < scene_at.light_count && surface.from_front {
+        let light = scene_at.lights + LIGHT_WORDS * surface.light;
+        var weight = 1.0f;
+        if (*state).pdf > 0.0f {
+            let other = light_pdf_solid_angle(light, (*state).vertex, ray.direction, hit.t, surface.front);
+            weight = mis_power_heuristic((*state).pdf, other * 1.0f);
+        }
+        (*state).radiance += (*state).throughput * light_float3(light + LIGHT_RADIANCE) * weight;
+    }
+    if (*state).depth < max_depth { path_scatter(state, surface); }
+}
+
+// The answer to a shadow ray.
+fn path_lit(state: ptr<function, PathState>, occluded: bool) {
+    if !occluded { (*state).radiance += (*state).pending; }
+    path_follow(state);
+}
