@@ -273,14 +273,17 @@ fn operators_stay_until_they_change_and_wrong_numbers_are_refused() {
 }
 
 #[test]
-fn a_lost_device_is_told() {
+fn a_lost_device_is_told_and_replaced() {
     let backend = backend();
     let f = form_factors(64, 0.9);
-    let made = relighter(&f, 0.5, Rates::Uniform(Kind::Bits8), None);
+    let made = relighter(&f, 0.5, Rates::Uniform(Kind::Bits8), Some(Rates::Uniform(Kind::F32)));
     let operator = backend.operator(&made).unwrap();
     backend.lose_device();
     let found = operator.relight(&made, (&lit(64), &[]), &mut vec![[0.0; 3]; 64], 3);
     assert!(matches!(found, Err(RelightFailure::Device(BackendError::DeviceLost { .. }))), "{found:?}");
+    let fresh = relighter(&f, 0.6, Rates::Uniform(Kind::Bits8), None);
+    compare(&backend, &fresh, &[3], "a fresh device");
+    compare(&backend, &made, &[3], "the operator from before");
 }
 
 fn compare_blocks(backend: &WgpuBackend, made: &BlockOperator, what: &str) {
