@@ -8,11 +8,9 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 #[derive(Debug)]
 pub(crate) struct Buffer {
     pub(crate) raw: wgpu::Buffer,
-    /// Bytes; at least 16, since an empty binding is none.
-    pub(crate) bytes: u64,
 }
 
-/// The least that a binding has.
+/// The bytes that a binding has at least: an empty one is none.
 const LEAST: u64 = 16;
 
 impl Gpu {
@@ -35,7 +33,7 @@ impl Gpu {
                 | wgpu::BufferUsages::INDIRECT,
             mapped_at_creation: false,
         });
-        Ok(Buffer { raw, bytes })
+        Ok(Buffer { raw })
     }
 
     /// Words that the device reads.
@@ -57,7 +55,7 @@ impl Gpu {
             mapped_at_creation: false,
         });
         self.queue.write_buffer(&raw, 0, bytemuck::cast_slice(words));
-        Buffer { raw, bytes }
+        Buffer { raw }
     }
 
     /// Sends what `encoder` holds and asks for the first words of a buffer after it.
