@@ -13,7 +13,7 @@ mod session;
 mod shaders;
 
 pub use gpu::{AdapterName, adapters};
-pub use relight::{BlocksOperator, Operator, RelightFailure};
+pub use relight::{BlocksOperator, Operator};
 pub use session::{PathTask, Step, WgpuSession};
 pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.

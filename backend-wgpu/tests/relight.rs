@@ -6,7 +6,7 @@ use etendue_core::radiosity::form_factors::{FormFactors, balance};
 use etendue_core::radiosity::relight::{CoarseParts, Portable, RelightError, Relighter, Workspace};
 use etendue_core::radiosity::tiles::{Kind, Rates};
 use etendue_core::sampling::counter::Counter;
-use etendue_wgpu::{Mutation, Options, RelightFailure, WgpuBackend, wgpu};
+use etendue_wgpu::{Mutation, Options, WgpuBackend, wgpu};
 
 /// Patches of random areas that see each other by smooth and by local parts, some of them not at all; sums of rows are `sum`.
 fn form_factors(n: usize, sum: f64) -> FormFactors {
@@ -264,9 +264,9 @@ fn operators_stay_until_they_change_and_wrong_numbers_are_refused() {
     assert!(std::sync::Arc::ptr_eq(&operator, &backend.operator(&made.clone()).unwrap()));
     let mut found = vec![[0.0; 3]; 64];
     let short = operator.relight(&made, (&lit(64)[1..], &[]), &mut found, 3);
-    assert!(matches!(short, Err(RelightFailure::Numbers(RelightError::WrongLength { .. }))));
+    assert!(matches!(short, Err(RelightError::WrongLength { .. })));
     let bad = operator.relight(&made, (&vec![[f32::NAN; 3]; 64], &[]), &mut found, 3);
-    assert!(matches!(bad, Err(RelightFailure::Numbers(RelightError::BadValue { .. }))));
+    assert!(matches!(bad, Err(RelightError::BadValue { .. })));
     made.set_albedo(&Portable, &albedo(64, 0.8)).unwrap();
     assert!(operator.relight(&made, (&lit(64), &[]), &mut found, 3).is_err());
     compare(&backend, &made, &[3], "another albedo");
@@ -280,7 +280,7 @@ fn a_lost_device_is_told_and_replaced() {
     let operator = backend.operator(&made).unwrap();
     backend.lose_device();
     let found = operator.relight(&made, (&lit(64), &[]), &mut vec![[0.0; 3]; 64], 3);
-    assert!(matches!(found, Err(RelightFailure::Device(BackendError::DeviceLost { .. }))), "{found:?}");
+    assert!(matches!(found, Err(RelightError::Backend(BackendError::DeviceLost { .. }))), "{found:?}");
     let fresh = relighter(&f, 0.6, Rates::Uniform(Kind::Bits8), None);
     compare(&backend, &fresh, &[3], "a fresh device");
     compare(&backend, &made, &[3], "the operator from before");
@@ -335,6 +335,34 @@ fn blocks_that_exceed_a_binding_come_in_parts() {
 }
 
 #[test]
+fn sessions_relight_on_the_device_and_on_the_next_one() {
+    let backend = backend();
+    let scenes = etendue_conformance::golden::scenes();
+    let scenes = scenes.iter().filter_map(|s| etendue_conformance::analytic::compiled(&s.scene).ok());
+    let scene = scenes.into_iter().find(|s| !s.needs.volume()).unwrap();
+    let session = backend.open(scene).unwrap();
+    let n = 203;
+    let f = form_factors(n, 0.9);
+    let made = relighter(&f, 0.7, Rates::Uniform(Kind::Bits8), Some(Rates::Uniform(Kind::F32)));
+    let blocks = BlockOperator::encode(&Portable, &f, &albedo(n, 0.6), &Settings::mended()).unwrap();
+    let (direct, mut room, mut rooms) = (lit(n), Workspace::default(), blocks::Workspace::default());
+    let light = (&direct[..], &[][..]);
+    let (mut found, mut truth) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    for what in ["a device", "the next"] {
+        session.relight(&made, light, &mut found, 3, &mut room).unwrap();
+        made.relight(&Portable, light, &mut truth, 3, &mut room).unwrap();
+        agree(&backend, &found, &truth, what);
+        let passes = session.converge(&made, light, &mut found, (50, 1e-4), &mut room).unwrap();
+        assert_eq!(made.converge(&Portable, light, &mut truth, (50, 1e-4), &mut room).unwrap(), passes);
+        agree(&backend, &found, &truth, what);
+        session.relight_blocks(&blocks, light, &mut found, &mut rooms).unwrap();
+        blocks.relight(&Portable, light, &mut truth, &mut rooms).unwrap();
+        agree(&backend, &found, &truth, what);
+        backend.lose_device();
+    }
+}
+
+#[test]
 fn blocks_refuse_what_core_refuses() {
     let backend = backend();
     let f = form_factors(40, 0.9);
@@ -342,7 +370,7 @@ fn blocks_refuse_what_core_refuses() {
     let operator = backend.blocks_operator(&made).unwrap();
     let mut found = vec![[0.0; 3]; 40];
     let short = operator.relight(&made, (&lit(40)[1..], &[]), &mut found);
-    assert!(matches!(short, Err(RelightFailure::Numbers(BlockError::WrongLength { .. }))));
+    assert!(matches!(short, Err(BlockError::WrongLength { .. })));
     made.set_albedo(&albedo(40, 0.3)).unwrap();
     assert!(operator.relight(&made, (&lit(40), &[]), &mut found).is_err());
     compare_blocks(&backend, &made, "another albedo");

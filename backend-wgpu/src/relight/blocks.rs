@@ -2,7 +2,7 @@
 
 use super::blocks_layout::{Part, cut, row_start};
 use super::product::Dispatch;
-use super::{RelightFailure, SUBMIT_BYTES, another, spread, words};
+use super::{ANOTHER, SUBMIT_BYTES, spread, words};
 use crate::gpu::{Binding, Buffer, Gpu, PipelineKey};
 use crate::shaders::Link;
 use etendue_core::backend::BackendError;
@@ -14,8 +14,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Invocations of a workgroup, and rows of blocks.
 const WORKGROUP: u32 = 64;
 const GROUP_ROWS: u32 = 4;
-
-type Failure = RelightFailure<BlockError>;
 
 /// An operator in blocks that is on the device, with room for one relighting at a time.
 #[derive(Debug)]
@@ -88,7 +86,7 @@ fn product(
             let group = gpu.bind(&pipeline, &buffers);
             let [gx, gy] = spread(gpu, groups);
             dispatches.push(Dispatch { pipeline, group, groups: [gx, gy, 1] });
-            bytes += blocks.bytes + kept.bytes;
+            bytes += blocks.raw.size() + kept.raw.size();
             Ok(())
         };
         // Rows of a part before its columns, parts in order: so sums are in core's order.
@@ -170,12 +168,12 @@ impl BlocksOperator {
         operator: &BlockOperator,
         light: (&[[f32; 3]], &[[f32; 3]]),
         indirect: &mut [[f32; 3]],
-    ) -> Result<(), Failure> {
+    ) -> Result<(), BlockError> {
         if !self.is_of(operator) {
-            return Err(another());
+            return Err(ANOTHER.into());
         }
         let mut start = vec![Quad::default(); self.rows];
-        operator.start(light, indirect.len(), &mut start).map_err(RelightFailure::Numbers)?;
+        operator.start(light, indirect.len(), &mut start)?;
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
         let words = self.gpu.scoped(|| {
             if !start.is_empty() {

@@ -1,28 +1,41 @@
 //! Whole jobs of a session: an operator is uploaded where it is not on the device, and once more where the device was lost.
 
-use super::{Prepared, RelightFailure};
-use crate::gpu::Source;
+use super::Prepared;
+use crate::gpu::{Gpu, Source};
 use etendue_core::backend::BackendError;
 use etendue_core::radiosity::blocks::{BlockError, BlockOperator};
 use etendue_core::radiosity::relight::{RelightError, Relighter};
+use std::sync::Arc;
 
 /// Direct irradiance and emission.
 type Light<'a> = (&'a [[f32; 3]], &'a [[f32; 3]]);
 
-/// Runs on the source's device; only what the device says is tried again.
-fn run<T, E>(
+/// Runs a job on the source's device, where `of_device` tells what the device said from what was wrong with the numbers.
+fn run<T, E: From<BackendError>>(
     source: &Source,
-    mut job: impl FnMut(&std::sync::Arc<crate::gpu::Gpu>) -> Result<T, RelightFailure<E>>,
-) -> Result<T, RelightFailure<E>> {
-    let done = source.run(|gpu| match job(gpu) {
-        Err(RelightFailure::Device(e)) => Err(e),
-        Err(RelightFailure::Numbers(e)) => Ok(Err(e)),
+    mut job: impl FnMut(&Arc<Gpu>) -> Result<T, E>,
+    of_device: impl Fn(E) -> Result<BackendError, E>,
+) -> Result<T, E> {
+    source.run(|gpu| match job(gpu) {
         Ok(value) => Ok(Ok(value)),
-    });
-    match done {
-        Ok(Ok(value)) => Ok(value),
-        Ok(Err(e)) => Err(RelightFailure::Numbers(e)),
-        Err(e) => Err(RelightFailure::Device(e)),
+        Err(e) => match of_device(e) {
+            Ok(of_device) => Err(of_device),
+            Err(e) => Ok(Err(e)),
+        },
+    })?
+}
+
+fn of_tiles(e: RelightError) -> Result<BackendError, RelightError> {
+    match e {
+        RelightError::Backend(e) => Ok(e),
+        e => Err(e),
+    }
+}
+
+fn of_blocks(e: BlockError) -> Result<BackendError, BlockError> {
+    match e {
+        BlockError::Backend(e) => Ok(e),
+        e => Err(e),
     }
 }
 
@@ -35,8 +48,9 @@ impl Prepared {
         light: Light<'_>,
         indirect: &mut [[f32; 3]],
         passes: u32,
-    ) -> Result<(), RelightFailure<RelightError>> {
-        run(source, |gpu| self.tiles(gpu, relighter)?.relight(relighter, light, indirect, passes))
+    ) -> Result<(), RelightError> {
+        let job = |gpu: &Arc<Gpu>| self.tiles(gpu, relighter)?.relight(relighter, light, indirect, passes);
+        run(source, job, of_tiles)
     }
 
     /// [`Relighter::converge`] on the device.
@@ -47,8 +61,9 @@ impl Prepared {
         light: Light<'_>,
         indirect: &mut [[f32; 3]],
         until: (u32, f64),
-    ) -> Result<u32, RelightFailure<RelightError>> {
-        run(source, |gpu| self.tiles(gpu, relighter)?.converge(relighter, light, indirect, until))
+    ) -> Result<u32, RelightError> {
+        let job = |gpu: &Arc<Gpu>| self.tiles(gpu, relighter)?.converge(relighter, light, indirect, until);
+        run(source, job, of_tiles)
     }
 
     /// [`BlockOperator::relight`] on the device.
@@ -58,12 +73,8 @@ impl Prepared {
         operator: &BlockOperator,
         light: Light<'_>,
         indirect: &mut [[f32; 3]],
-    ) -> Result<(), RelightFailure<BlockError>> {
-        run(source, |gpu| self.blocks(gpu, operator)?.relight(operator, light, indirect))
+    ) -> Result<(), BlockError> {
+        let job = |gpu: &Arc<Gpu>| self.blocks(gpu, operator)?.relight(operator, light, indirect);
+        run(source, job, of_blocks)
     }
-}
-
-/// What the device has no room for.
-pub(crate) fn is_too_large<E>(failure: &RelightFailure<E>) -> bool {
-    matches!(failure, RelightFailure::Device(BackendError::LimitExceeded { .. }))
 }

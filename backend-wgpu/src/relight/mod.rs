@@ -6,6 +6,7 @@
 
 mod blocks;
 mod blocks_layout;
+mod jobs;
 mod lists;
 mod operator;
 mod prepared;
@@ -17,38 +18,10 @@ pub(crate) use prepared::Prepared;
 
 use crate::gpu::Gpu;
 use etendue_core::backend::BackendError;
-use std::fmt;
 
-/// Why there is no light: numbers that core refuses too (`E`), or the device.
-#[derive(Clone, Debug, PartialEq)]
-pub enum RelightFailure<E> {
-    /// As core.
-    Numbers(E),
-    /// The device, or what it has too little of.
-    Device(BackendError),
-}
-
-impl<E: fmt::Display> fmt::Display for RelightFailure<E> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Numbers(e) => e.fmt(f),
-            Self::Device(e) => e.fmt(f),
-        }
-    }
-}
-
-impl<E: std::error::Error> std::error::Error for RelightFailure<E> {}
-
-impl<E> From<BackendError> for RelightFailure<E> {
-    fn from(e: BackendError) -> Self {
-        Self::Device(e)
-    }
-}
-
-/// Another operator than the one on the device.
-fn another<E>() -> RelightFailure<E> {
-    RelightFailure::Device(BackendError::BadJob { reason: "another operator than the one that was prepared" })
-}
+/// The operator on the device is another one.
+const ANOTHER: BackendError =
+    BackendError::BadJob { reason: "another operator than the one that was prepared" };
 
 /// Bytes that are read before what is sent so far is handed to the device: long jobs in one piece are taken for hung ones.
 const SUBMIT_BYTES: u64 = 1 << 28;

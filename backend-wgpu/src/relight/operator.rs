@@ -1,7 +1,7 @@
 //! Core's relighter on the device.
 
 use super::product::{Dispatch, Product};
-use super::{RelightFailure, SUBMIT_BYTES, another, spread, words};
+use super::{ANOTHER, SUBMIT_BYTES, spread, words};
 use crate::gpu::{Binding, Buffer, Gpu, PipelineKey};
 use crate::shaders::Link;
 use etendue_core::backend::BackendError;
@@ -15,8 +15,6 @@ const LAST: usize = 3;
 const SUM: usize = 4;
 /// Invocations of a workgroup.
 const WORKGROUP: u32 = 64;
-
-type Failure = RelightFailure<RelightError>;
 
 /// The second level's dispatches.
 #[derive(Debug)]
@@ -159,7 +157,7 @@ impl Operator {
         light: (&[[f32; 3]], &[[f32; 3]]),
         indirect: &mut [[f32; 3]],
         passes: u32,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), RelightError> {
         let start = self.start(relighter, light, indirect.len())?;
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
         let weighted = relighter.weights().len() == passes as usize;
@@ -190,7 +188,7 @@ impl Operator {
         light: (&[[f32; 3]], &[[f32; 3]]),
         indirect: &mut [[f32; 3]],
         (most, tolerance): (u32, f64),
-    ) -> Result<u32, Failure> {
+    ) -> Result<u32, RelightError> {
         let start = self.start(relighter, light, indirect.len())?;
         let tolerance = if tolerance > 0.0 { tolerance } else { f64::MIN_POSITIVE };
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
@@ -219,12 +217,12 @@ impl Operator {
         relighter: &Relighter,
         light: (&[[f32; 3]], &[[f32; 3]]),
         indirect: usize,
-    ) -> Result<Vec<Planes<3>>, Failure> {
+    ) -> Result<Vec<Planes<3>>, RelightError> {
         if !self.is_of(relighter) {
-            return Err(another());
+            return Err(ANOTHER.into());
         }
         let mut start = vec![Planes::<3>::default(); self.rows];
-        relighter.start(light, indirect, &mut start).map_err(RelightFailure::Numbers)?;
+        relighter.start(light, indirect, &mut start)?;
         Ok(start)
     }
 

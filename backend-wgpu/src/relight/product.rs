@@ -64,7 +64,7 @@ impl Product {
                 let [gx, gy] = spread(gpu, count as u32);
                 let groups = [gx, gy, layers];
                 made.dispatches.push(Dispatch { pipeline: pipeline.clone(), group, groups });
-                made.bytes += code_buffer.bytes + heads_buffer.bytes;
+                made.bytes += code_buffer.raw.size() + heads_buffer.raw.size();
             }
         }
         Ok(made)

@@ -40,6 +40,7 @@ pub use super::polynomial::Portable;
 
 use super::polynomial::Multiply;
 use super::tiles::{Planes, Rates, SIDE, Scratch, TileError, Tiles, encode, tile_rows};
+use crate::backend::BackendError;
 use crate::math;
 use alloc::vec::Vec;
 use core::fmt;
@@ -100,6 +101,8 @@ pub enum RelightError {
     Tiles(TileError),
     /// Clusters that have no inverse.
     Coarse(CoarseError),
+    /// A backend that has no room for it, or whose device failed.
+    Backend(BackendError),
 }
 
 impl fmt::Display for RelightError {
@@ -111,11 +114,18 @@ impl fmt::Display for RelightError {
             Self::BadValue { slice, patch, value } => write!(f, "{slice} of patch {patch} is {value}"),
             Self::Tiles(e) => e.fmt(f),
             Self::Coarse(e) => e.fmt(f),
+            Self::Backend(e) => e.fmt(f),
         }
     }
 }
 
 impl core::error::Error for RelightError {}
+
+impl From<BackendError> for RelightError {
+    fn from(e: BackendError) -> Self {
+        Self::Backend(e)
+    }
+}
 
 impl From<TileError> for RelightError {
     fn from(e: TileError) -> Self {
