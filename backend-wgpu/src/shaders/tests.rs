@@ -39,7 +39,7 @@ const ELSEWHERE: &[[&str; 3]] = &[
             srgb_decode: u32, light_count: u32, lights: u32, light_cumulative: u32, environment: u32,
             environment_width: u32, environment_height: u32, environment_light: u32, environment_to_world: u32,
             environment_texels: u32, environment_rows: u32, environment_row_count: u32, environment_starts: u32,
-            environment_columns: u32
+            environment_columns: u32, grids: u32
         }
         var<private> scene_at: SceneOffsets;",
     ],
