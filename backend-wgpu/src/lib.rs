@@ -2,12 +2,17 @@
 //!
 //! [`WgpuBackend::request`] looks for an adapter; [`WgpuBackend::from_device`] computes on the device of a host, beside
 //! whatever else it does there. Nothing of this panics: what a device refuses is an error with its words.
+//!
+//! On Vulkan the shaders keep their arithmetic as written, and where division and square root are correctly rounded, results have
+//! the bits of the CPU. Elsewhere they agree within the tolerances of `etendue-conformance`.
 
 mod gpu;
 mod kernels;
+mod session;
 mod shaders;
 
 pub use gpu::{AdapterName, adapters};
+pub use session::{PathTask, Step, WgpuSession};
 pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;
@@ -15,22 +20,13 @@ pub use wgpu;
 use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::Kernel;
 use etendue_core::scene::CompiledScene;
-use gpu::Gpu;
-use std::sync::{Arc, Mutex, PoisonError};
+use gpu::Source;
+use std::sync::Arc;
 
 const NAME: &str = "wgpu";
 
 fn unsupported(what: impl Into<String>) -> BackendError {
     BackendError::Unsupported { backend: NAME, what: what.into() }
-}
-
-/// How a lost device is replaced.
-#[derive(Clone, Debug)]
-enum Origin {
-    /// The host's affair.
-    Host,
-    /// A new one of the same adapter.
-    Adapter(Option<String>),
 }
 
 /// What a backend is made with beside its adapter; the default is right but for tests.
@@ -45,9 +41,7 @@ pub struct Options {
 /// The backend.
 #[derive(Debug)]
 pub struct WgpuBackend {
-    origin: Origin,
-    options: Options,
-    gpu: Mutex<Arc<Gpu>>,
+    source: Arc<Source>,
 }
 
 impl WgpuBackend {
@@ -80,73 +74,47 @@ impl WgpuBackend {
     /// # Errors
     /// As [`Self::request`].
     pub async fn request_async(name: Option<&str>, options: Options) -> Result<Self, BackendError> {
-        let origin = Origin::Adapter(name.map(Into::into));
-        let gpu = make(&origin, &options).await?;
-        Ok(Self { origin, options, gpu: Mutex::new(Arc::new(gpu)) })
+        Ok(Self { source: Arc::new(Source::request(name, options).await?) })
     }
 
-    /// Computes on a host's device. Its errors are caught in scopes of this backend's own; if the device is lost, so are the
+    /// Computes on a host's device. Errors are caught in scopes of this backend's own; if the device is lost, so are the
     /// sessions, and the host makes a new backend of a new device.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        let options = Options::default();
-        let gpu = Gpu::new((device, queue), None, Vec::new());
-        Self { origin: Origin::Host, options, gpu: Mutex::new(Arc::new(gpu)) }
+        Self { source: Arc::new(Source::of_host(device, queue, Options::default())) }
     }
 
-    fn gpu(&self) -> Arc<Gpu> {
-        self.gpu.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// Opens a scene; [`Backend::open`] gives the same behind the common trait.
+    ///
+    /// # Errors
+    /// [`BackendError::LimitExceeded`] with what is missing where the scene does not fit the device.
+    pub fn open_scene(&self, scene: Arc<CompiledScene>) -> Result<WgpuSession, BackendError> {
+        WgpuSession::new(self.source.clone(), scene)
     }
 
-    /// Runs a job; if its device is lost and is ours to replace, once more on a fresh one.
-    fn on_device<T>(
-        &self,
-        mut job: impl FnMut(&Gpu) -> Result<T, BackendError>,
-    ) -> Result<T, BackendError> {
-        let gpu = self.gpu();
-        match job(&gpu) {
-            Err(BackendError::DeviceLost { .. }) if matches!(self.origin, Origin::Adapter(_)) => {
-                job(&*self.replace(&gpu)?)
-            }
-            other => other,
-        }
-    }
-
-    /// A fresh device in place of a lost one, unless another thread has replaced it already.
-    fn replace(&self, lost: &Arc<Gpu>) -> Result<Arc<Gpu>, BackendError> {
-        let mut gpu = self.gpu.lock().unwrap_or_else(PoisonError::into_inner);
-        if Arc::ptr_eq(&gpu, lost) {
-            *gpu = Arc::new(pollster::block_on(make(&self.origin, &self.options))?);
-        }
-        Ok(gpu.clone())
+    /// Whether shaders keep their arithmetic as written, so that sums and products have the CPU's bits.
+    pub fn is_exact(&self) -> bool {
+        self.source.gpu().is_exact()
     }
 
     /// Destroys the device, as if it had been lost.
     #[doc(hidden)]
     pub fn lose_device(&self) {
-        self.gpu().device.destroy();
+        self.source.gpu().device.destroy();
     }
-}
-
-async fn make(origin: &Origin, options: &Options) -> Result<Gpu, BackendError> {
-    let name = match origin {
-        Origin::Adapter(name) => name.as_deref(),
-        Origin::Host => None,
-    };
-    let device = gpu::request(name).await?;
-    Ok(Gpu::new(device, options.limits.clone(), options.mutations.clone()))
 }
 
 impl Backend for WgpuBackend {
     fn info(&self) -> BackendInfo {
-        BackendInfo { name: NAME, adapter: self.gpu().name.clone(), version: env!("CARGO_PKG_VERSION") }
+        let adapter = self.source.gpu().name.clone();
+        BackendInfo { name: NAME, adapter, version: env!("CARGO_PKG_VERSION") }
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { kernels: true, ..Capabilities::default() }
+        Capabilities { path: true, kernels: true, ..Capabilities::default() }
     }
 
-    fn open(&self, _scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {
-        Err(unsupported("opening scenes"))
+    fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {
+        Ok(Box::new(self.open_scene(scene)?))
     }
 
     fn map(
@@ -156,6 +124,6 @@ impl Backend for WgpuBackend {
         items: &[u32],
         out: &mut [u32],
     ) -> Result<(), BackendError> {
-        self.on_device(|gpu| kernels::map(gpu, kernel, constants, items, out))
+        self.source.run(|gpu| kernels::map(gpu, kernel, constants, items, out))
     }
 }

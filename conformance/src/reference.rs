@@ -25,7 +25,7 @@ impl Backend for ReferenceBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, bidirectional: true, kernels: true }
+        Capabilities { path: true, bidirectional: true, volume: true, kernels: true }
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

@@ -4,10 +4,12 @@ mod buffers;
 mod exact;
 mod pipelines;
 mod request;
+mod source;
 
 pub(crate) use buffers::{Buffer, Pending};
 pub(crate) use pipelines::{Binding, Pipeline, PipelineKey};
-pub(crate) use request::request;
+use request::request;
+pub(crate) use source::Source;
 pub use request::{AdapterName, adapters};
 
 use crate::shaders::Mutation;

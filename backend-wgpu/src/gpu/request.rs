@@ -72,7 +72,7 @@ fn rank(adapter: &wgpu::Adapter) -> (u8, u8) {
 }
 
 /// A device of the best adapter whose description has `wanted` in it, whatever the case.
-pub(crate) async fn request(wanted: Option<&str>) -> Result<(wgpu::Device, wgpu::Queue), BackendError> {
+pub(super) async fn request(wanted: Option<&str>) -> Result<(wgpu::Device, wgpu::Queue), BackendError> {
     let mut list = all().await;
     list.retain(computes);
     list.sort_by_key(rank);

@@ -53,7 +53,7 @@ impl Backend for TracerBackend {
         BackendInfo { name: "tracer", adapter: format!("{:?}", self.fault), version: "0" }
     }
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, bidirectional: false, kernels: true }
+        Capabilities { path: true, bidirectional: false, volume: true, kernels: true }
     }
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {
         let mut scene = (*scene).clone();

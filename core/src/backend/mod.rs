@@ -54,6 +54,8 @@ pub struct Capabilities {
     pub path: bool,
     /// The same by bidirectional path tracing.
     pub bidirectional: bool,
+    /// All of these through media, and boundaries that light passes ([`crate::scene::SceneNeeds::volume`]).
+    pub volume: bool,
     /// [`Backend::map`] for every [`Kernel`].
     pub kernels: bool,
 }

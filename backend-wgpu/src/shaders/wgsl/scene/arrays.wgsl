@@ -3,6 +3,7 @@
 @group(0) @binding(0) var<uniform> scene_at: SceneOffsets;
 @group(0) @binding(5) var<storage, read> scene_arena: array<u32>;
 @group(0) @binding(6) var<storage, read> texels: array<u32>;
+@group(0) @binding(9) var<storage, read> more_texels: array<u32>;
 
 const NO_INDEX: u32 = 0xffffffffu;
 
@@ -12,6 +13,7 @@ fn scene_float(i: u32) -> f32 { return bitcast<f32>(scene_arena[i]); }
 
 fn scene_triple(i: u32) -> vec3<f32> { return vec3(scene_float(i), scene_float(i + 1u), scene_float(i + 2u)); }
 
-fn texel(i: u32) -> u32 { return texels[i]; }
-
-fn discrete_count(i: u32) -> u32 { return scene_arena[scene_at.light_cumulative + i]; }
+fn texel(i: u32) -> u32 {
+    if i < scene_at.first_texels { return texels[i]; }
+    return more_texels[i - scene_at.first_texels];
+}

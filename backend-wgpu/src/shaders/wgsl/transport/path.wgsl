@@ -1,7 +1,7 @@
 // Path tracing from the sensor with light sampling and multiple importance sampling: core's state machine, one step between two rays.
 //: use transport::surface
 //: use transport::mis
-//: use light::light
+//: use light
 //: use sampling::sobol
 //: use math::consts
 
@@ -115,13 +115,13 @@ fn path_arrive(state: ptr<function, PathState>, hit: Hit, max_depth: u32) {
     let surface = surface_at(ray, hit);
     if !surface.found { return; }
     if surface.light < scene_at.light_count && surface.from_front {
-        let light = light_record(surface.light);
+        let light = scene_at.lights + LIGHT_WORDS * surface.light;
         var weight = 1.0f;
         if (*state).pdf > 0.0f {
             let other = light_pdf_solid_angle(light, (*state).vertex, ray.direction, hit.t, surface.front);
             weight = mis_power_heuristic((*state).pdf, other * 1.0f);
         }
-        (*state).radiance += (*state).throughput * light.radiance * weight;
+        (*state).radiance += (*state).throughput * light_float3(light + LIGHT_RADIANCE) * weight;
     }
     if (*state).depth < max_depth { path_scatter(state, surface); }
 }

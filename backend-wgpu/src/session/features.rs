@@ -1,0 +1,17 @@
+//! The code that a scene needs, as features of shaders.
+
+use etendue_core::scene::SceneNeeds;
+use etendue_core::transport::TransportCode;
+
+/// Features of the path tracer's shaders; what is not among them is not compiled.
+pub(crate) fn of(needs: &SceneNeeds) -> Vec<&'static str> {
+    let code = TransportCode::of(needs);
+    let all = [
+        (code.lobes, "LOBES"),
+        (code.textures, "TEXTURES"),
+        (code.shading_normals, "SHADING"),
+        (needs.environment_image, "ENVIRONMENT_MAP"),
+        (needs.round_shapes, "SHAPES"),
+    ];
+    all.into_iter().filter(|f| f.0).map(|f| f.1).collect()
+}

@@ -1,0 +1,176 @@
+//! A scene on a device, and the jobs on it.
+
+mod features;
+mod path;
+mod scene;
+
+pub(crate) use path::Target;
+pub use path::{PathTask, Step};
+pub(crate) use scene::SceneBuffers;
+
+use crate::gpu::{Gpu, Source};
+use crate::unsupported;
+use etendue_core::backend::{
+    self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes,
+};
+use etendue_core::film::{Film, FilmError, FilmSettings};
+use etendue_core::scene::CompiledScene;
+use etendue_core::transport::volume::{Surroundings, probe_starts};
+use etendue_tree::WideTree;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// A scene opened on a device. Its buffers are sent once, and again only to a device that replaces a lost one.
+#[derive(Debug)]
+pub struct WgpuSession {
+    source: Arc<Source>,
+    scene: Arc<CompiledScene>,
+    tree: WideTree,
+    surroundings: Surroundings,
+    preparation: Vec<(&'static str, f64)>,
+    sent: Mutex<Option<(Arc<Gpu>, Arc<SceneBuffers>)>>,
+}
+
+impl WgpuSession {
+    pub(crate) fn new(source: Arc<Source>, scene: Arc<CompiledScene>) -> Result<Self, BackendError> {
+        let start = Instant::now();
+        let tree = WideTree::build(&scene.primitives());
+        let built = start.elapsed().as_secs_f64();
+        let surroundings = Surroundings::of(&scene, &tree);
+        let mut session =
+            Self { source, scene, tree, surroundings, preparation: Vec::new(), sent: Mutex::new(None) };
+        let start = Instant::now();
+        session.source.clone().run(|gpu| session.buffers(gpu))?;
+        session.preparation = vec![("tree", built), ("upload", start.elapsed().as_secs_f64())];
+        Ok(session)
+    }
+
+    /// The scene's buffers on this device.
+    fn buffers(&self, gpu: &Arc<Gpu>) -> Result<Arc<SceneBuffers>, BackendError> {
+        let mut sent = self.sent.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, buffers)) = &*sent
+            && Arc::ptr_eq(of, gpu)
+        {
+            return Ok(buffers.clone());
+        }
+        let buffers = Arc::new(SceneBuffers::new(gpu, &self.scene, &self.tree)?);
+        *sent = Some((gpu.clone(), buffers.clone()));
+        Ok(buffers)
+    }
+
+    fn task(
+        &self,
+        gpu: &Arc<Gpu>,
+        job: &PathJob,
+        target: Target,
+        settings: &FilmSettings,
+    ) -> Result<PathTask, BackendError> {
+        let buffers = self.buffers(gpu)?;
+        PathTask::new(gpu, &self.scene, &buffers, job, target, Film::new(*settings))
+    }
+
+    /// An image as a task that never waits; [`PathTask::step`] drives it, within a host's frame loop say.
+    ///
+    /// # Errors
+    /// As [`Session::path_image`].
+    pub fn path_image_task(&self, job: &PathJob) -> Result<PathTask, BackendError> {
+        let settings = backend::image_film_settings(&self.scene, job)?;
+        self.check_paths(job)?;
+        self.task(&self.source.gpu(), job, Target::Image { width: settings.width }, &settings)
+    }
+
+    /// Probes as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`Session::path_probes`].
+    pub fn path_probes_task(&self, job: &PathJob, probes: &[Probe]) -> Result<PathTask, BackendError> {
+        let settings = backend::probe_film_settings(&self.scene, job, probes.len());
+        self.check_paths(job)?;
+        self.task(&self.source.gpu(), job, self.probes(probes)?, &settings)
+    }
+
+    fn probes(&self, probes: &[Probe]) -> Result<Target, BackendError> {
+        let probes = check_probes(probes)?;
+        Ok(Target::Probes(probe_starts(&self.scene, &self.tree, self.surroundings.outside, &probes)))
+    }
+
+    /// What paths carry, and what those of this backend do.
+    fn check_paths(&self, job: &PathJob) -> Result<(), BackendError> {
+        job.check()?;
+        let needs = &self.scene.needs;
+        if let Some(missing) = needs.beyond_paths() {
+            return Err(BackendError::SceneNeeds { method: "path", missing });
+        }
+        match needs.beyond_surfaces() {
+            Some(missing) => Err(unsupported(format!("paths through {missing} (the cpu backend does)"))),
+            None => Ok(()),
+        }
+    }
+
+    fn run(
+        &self,
+        job: &PathJob,
+        target: &Target,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let (part, stats) = self.source.run(|gpu| {
+            let mut task = self.task(gpu, job, target.clone(), film.settings())?;
+            loop {
+                match task.step(true)? {
+                    Step::Working => {}
+                    Step::Progress { done, total } => {
+                        if control.advance(done, total).is_break() {
+                            return Err(BackendError::Cancelled);
+                        }
+                    }
+                    Step::Done => return Ok(task.finish()),
+                }
+            }
+        })?;
+        film.merge(&part)?;
+        Ok(stats)
+    }
+}
+
+fn same_film(film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
+    if film.settings() == expected {
+        return Ok(());
+    }
+    Err(FilmError::DifferentSettings { ours: *film.settings(), theirs: *expected }.into())
+}
+
+impl Session for WgpuSession {
+    fn scene(&self) -> &CompiledScene {
+        &self.scene
+    }
+
+    fn preparation(&self) -> &[(&'static str, f64)] {
+        &self.preparation
+    }
+
+    fn path_image(
+        &self,
+        job: &PathJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.check_paths(job)?;
+        same_film(film, &expected)?;
+        self.run(job, &Target::Image { width: expected.width }, control, film)
+    }
+
+    fn path_probes(
+        &self,
+        job: &PathJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, job, probes.len());
+        self.check_paths(job)?;
+        same_film(film, &expected)?;
+        self.run(job, &self.probes(probes)?, control, film)
+    }
+}

@@ -1,0 +1,426 @@
+//! Paths on the device: waves of slots, small submissions, and block means that the host adds up as the CPU does.
+
+use super::features;
+use super::scene::{OFFSETS, SceneBuffers};
+use crate::gpu::{Binding, Buffer, Gpu, Pending, Pipeline, PipelineKey};
+use crate::shaders::Link;
+use etendue_core::backend::{BackendError, JobStats, PathJob};
+use etendue_core::film::Film;
+use etendue_core::scene::CompiledScene;
+use etendue_core::transport::ProbeStart;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Words of a state.
+const ROWS: u64 = 33;
+/// Words that the host reads of each: what was measured, and rays.
+const READ: u64 = 4;
+/// Words before the lists of a queue.
+const QUEUE_HEAD: u64 = 4;
+/// Words of a probe.
+const PROBE_WORDS: usize = 7;
+/// Invocations of a workgroup, as the shaders have it.
+const WORKGROUP: u32 = 64;
+/// Slots of a wave on a device of its own, and on one that the processor plays.
+const SLOTS: [u64; 2] = [1 << 18, 1 << 15];
+/// How long one submission should keep the device: a desktop goes on meanwhile.
+const SUBMISSION: Duration = Duration::from_millis(25);
+/// Steps of one submission at most.
+const STEPS_MAX: u32 = 64;
+
+/// How far a task is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// The device is at work; come back.
+    Working,
+    /// Something was added: `done` of `total` blocks of samples of elements.
+    Progress {
+        /// Finished.
+        done: u64,
+        /// In all.
+        total: u64,
+    },
+    /// All is in the film.
+    Done,
+}
+
+/// The pipelines of a wave.
+#[derive(Debug)]
+struct Wave {
+    start: Arc<Pipeline>,
+    trace: Arc<Pipeline>,
+    advance: Arc<Pipeline>,
+    turn: Arc<Pipeline>,
+}
+
+const BINDINGS: [Binding; 10] = [
+    Binding::Uniform,
+    Binding::Uniform,
+    Binding::Read,
+    Binding::Read,
+    Binding::Read,
+    Binding::Read,
+    Binding::Read,
+    Binding::Write,
+    Binding::Write,
+    Binding::Read,
+];
+
+impl Wave {
+    fn new(gpu: &Gpu, scene: &CompiledScene, stack: usize) -> Result<Self, BackendError> {
+        let features = features::of(&scene.needs);
+        let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::path\n");
+        let name = format!("path {} stack {stack}", features.join(" "));
+        let link = Link { root: &root, features: &features, mutations: &[] };
+        let pipeline =
+            |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &BINDINGS);
+        let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
+        let key = PipelineKey { name: "turn".into(), entry: "turn" };
+        Ok(Self {
+            start: pipeline("start")?,
+            trace: pipeline("trace")?,
+            advance: pipeline("advance")?,
+            turn: gpu.pipeline(key, turn, &[Binding::Write, Binding::Write])?,
+        })
+    }
+}
+
+/// What the paths of a job start from.
+#[derive(Clone, Debug)]
+pub(crate) enum Target {
+    Image { width: u32 },
+    Probes(Vec<ProbeStart>),
+}
+
+/// What a submission left to be read.
+#[derive(Debug)]
+enum Waiting {
+    /// How many slots still ask.
+    Queue(Pending, Instant),
+    /// What the slots measured.
+    Results(Pending),
+}
+
+/// The part of a job that one wave takes.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    /// Pairs of block and element, counted through the job.
+    first_unit: u64,
+    units: u64,
+    first_sample: u32,
+    samples: u32,
+}
+
+/// A job of paths, in steps that never wait: for hosts with a frame loop. [`super::WgpuSession`] makes them.
+#[derive(Debug)]
+pub struct PathTask {
+    gpu: Arc<Gpu>,
+    job: PathJob,
+    target: Target,
+    wave: Wave,
+    slots: u64,
+    uniform: Buffer,
+    states: Buffer,
+    queue: Buffer,
+    groups: Buffer,
+    group: wgpu::BindGroup,
+    turn_group: wgpu::BindGroup,
+    /// Where the next part begins, in units and in samples of its first one.
+    next: (u64, u32),
+    running: Option<(Part, Waiting)>,
+    steps: u32,
+    elements: u64,
+    /// Sums of the unit that is cut by a wave's end, and means of the block that is not yet whole.
+    sum: [f64; 3],
+    means: Vec<[f64; 3]>,
+    film: Film,
+    stats: JobStats,
+}
+
+impl PathTask {
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        scene: &CompiledScene,
+        buffers: &SceneBuffers,
+        job: &PathJob,
+        target: Target,
+        film: Film,
+    ) -> Result<Self, BackendError> {
+        let elements = film.len() as u64;
+        let probes = match &target {
+            Target::Image { .. } => Vec::new(),
+            Target::Probes(list) => probe_words(list),
+        };
+        let paths = elements * u64::from(job.blocks.end - job.blocks.start) * u64::from(job.block_length);
+        let slots = slots(gpu, paths, probes.len() as u64)?;
+        let wave = Wave::new(gpu, scene, buffers.stack)?;
+        let g = gpu.clone();
+        g.scoped(|| {
+            let states = gpu.room("states", ROWS * slots + probes.len() as u64)?;
+            if !probes.is_empty() {
+                gpu.queue.write_buffer(&states.raw, 4 * ROWS * slots, bytemuck::cast_slice(&probes));
+            }
+            let queue = gpu.room("queue", QUEUE_HEAD + 2 * slots)?;
+            let groups = gpu.room("groups", 4)?;
+            let uniform = gpu.uniform("job", &[0; 14]);
+            let [near, far] = &buffers.texels;
+            let [blocks, more] = &buffers.blocks;
+            let bound = [
+                &buffers.offsets,
+                &uniform,
+                &buffers.nodes,
+                blocks,
+                more,
+                &buffers.arena,
+                near,
+                &states,
+                &queue,
+                far,
+            ];
+            // The three pipelines have one layout in content; each its own object.
+            let group = gpu.bind(&wave.start, &bound);
+            let turn_group = gpu.bind(&wave.turn, &[&queue, &groups]);
+            Ok(Self {
+                gpu: gpu.clone(),
+                job: job.clone(),
+                target,
+                wave,
+                slots,
+                uniform,
+                states,
+                queue,
+                groups,
+                group,
+                turn_group,
+                next: (0, 0),
+                running: None,
+                steps: 4,
+                elements,
+                sum: [0.0; 3],
+                means: Vec::new(),
+                film,
+                stats: JobStats { paths, ..JobStats::default() },
+            })
+        })
+    }
+
+    /// Goes on as far as it can without waiting; with `wait`, until something has come back.
+    ///
+    /// # Errors
+    /// The device's.
+    pub fn step(&mut self, wait: bool) -> Result<Step, BackendError> {
+        let gpu = self.gpu.clone();
+        gpu.scoped(|| self.step_within(wait))
+    }
+
+    fn step_within(&mut self, wait: bool) -> Result<Step, BackendError> {
+        let Some((part, waiting)) = self.running.take() else {
+            return match self.next_part() {
+                Some(part) => {
+                    self.begin(part);
+                    Ok(Step::Working)
+                }
+                None => Ok(Step::Done),
+            };
+        };
+        let pending = match &waiting {
+            Waiting::Queue(pending, _) | Waiting::Results(pending) => pending,
+        };
+        let words = if wait {
+            pending.wait(&self.gpu)?
+        } else {
+            match pending.poll(&self.gpu) {
+                Some(words) => words?,
+                None => {
+                    self.running = Some((part, waiting));
+                    return Ok(Step::Working);
+                }
+            }
+        };
+        match waiting {
+            Waiting::Queue(_, sent) => {
+                self.pace(sent.elapsed());
+                let asking = words.get(words.get(2).map_or(0, |turn| *turn as usize & 1)).copied();
+                let next = if asking == Some(0) { self.read() } else { self.go_on() };
+                self.running = Some((part, next));
+                Ok(Step::Working)
+            }
+            Waiting::Results(_) => {
+                self.take(part, &words)?;
+                Ok(Step::Progress { done: self.done(), total: self.total() })
+            }
+        }
+    }
+
+    /// More steps where a submission was short, fewer where it was long.
+    fn pace(&mut self, took: Duration) {
+        if took < SUBMISSION / 2 {
+            self.steps = (self.steps * 2).min(STEPS_MAX);
+        } else if took > SUBMISSION * 2 {
+            self.steps = (self.steps / 2).max(1);
+        }
+    }
+
+    fn total(&self) -> u64 {
+        self.elements * u64::from(self.job.blocks.end - self.job.blocks.start)
+    }
+
+    fn done(&self) -> u64 {
+        self.next.0
+    }
+
+    /// As much as the slots hold: whole units, or a part of one.
+    fn next_part(&self) -> Option<Part> {
+        let (unit, sample) = self.next;
+        if unit >= self.total() {
+            return None;
+        }
+        let length = u64::from(self.job.block_length);
+        let part = if sample == 0 && length <= self.slots {
+            let units = (self.slots / length).min(self.total() - unit);
+            Part { first_unit: unit, units, first_sample: 0, samples: self.job.block_length }
+        } else {
+            let samples = (length - u64::from(sample)).min(self.slots) as u32;
+            Part { first_unit: unit, units: 1, first_sample: sample, samples }
+        };
+        Some(part)
+    }
+
+    fn begin(&mut self, part: Part) {
+        let count = (part.units * u64::from(part.samples)) as u32;
+        let width = match &self.target {
+            Target::Image { width } => *width,
+            Target::Probes(_) => 0,
+        };
+        let probes = if width == 0 { (ROWS * self.slots) as u32 } else { 0 };
+        let words = [
+            self.job.seed as u32,
+            (self.job.seed >> 32) as u32,
+            self.slots as u32,
+            count,
+            self.elements as u32,
+            (part.first_unit % self.elements) as u32,
+            self.job.blocks.start + (part.first_unit / self.elements) as u32,
+            part.samples,
+            part.first_sample,
+            self.job.max_depth,
+            probes,
+            width,
+        ];
+        self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&words));
+        self.gpu.queue.write_buffer(&self.queue.raw, 0, bytemuck::cast_slice(&[0_u32; 4]));
+        let mut encoder = self.gpu.encoder();
+        self.pass(&mut encoder, |pass| {
+            pass.set_pipeline(&self.wave.start.raw);
+            pass.set_bind_group(0, &self.group, &[]);
+            pass.dispatch_workgroups(count.div_ceil(WORKGROUP), 1, 1);
+            self.turn(pass);
+        });
+        self.running = Some((part, self.steps_into(encoder)));
+    }
+
+    fn pass<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        work: impl FnOnce(&mut wgpu::ComputePass<'a>),
+    ) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        work(&mut pass);
+    }
+
+    fn turn(&self, pass: &mut wgpu::ComputePass<'_>) {
+        pass.set_pipeline(&self.wave.turn.raw);
+        pass.set_bind_group(0, &self.turn_group, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+    }
+
+    fn go_on(&self) -> Waiting {
+        self.steps_into(self.gpu.encoder())
+    }
+
+    fn steps_into(&self, mut encoder: wgpu::CommandEncoder) -> Waiting {
+        self.pass(&mut encoder, |pass| {
+            for _ in 0..self.steps {
+                for pipeline in [&self.wave.trace, &self.wave.advance] {
+                    pass.set_pipeline(&pipeline.raw);
+                    pass.set_bind_group(0, &self.group, &[]);
+                    pass.dispatch_workgroups_indirect(&self.groups.raw, 0);
+                }
+                self.turn(pass);
+            }
+        });
+        let sent = Instant::now();
+        Waiting::Queue(self.gpu.submit_and_read(encoder, &self.queue, 3), sent)
+    }
+
+    fn read(&self) -> Waiting {
+        Waiting::Results(self.gpu.submit_and_read(self.gpu.encoder(), &self.states, READ * self.slots))
+    }
+
+    /// Adds up what the slots measured, in the order of the samples: the CPU's sums.
+    fn take(&mut self, part: Part, words: &[u32]) -> Result<(), BackendError> {
+        let slots = self.slots as usize;
+        let (measured, rays) = words.split_at((3 * slots).min(words.len()));
+        let mut slot = 0;
+        for _ in 0..part.units {
+            for _ in 0..part.samples {
+                for (channel, sum) in self.sum.iter_mut().enumerate() {
+                    *sum += f64::from(f32::from_bits(measured[channel * slots + slot]));
+                }
+                self.stats.rays += u64::from(rays[slot]);
+                slot += 1;
+            }
+            let taken = part.first_sample + part.samples;
+            if taken < self.job.block_length {
+                self.next.1 = taken;
+                continue;
+            }
+            self.next = (self.next.0 + 1, 0);
+            let sum = std::mem::take(&mut self.sum);
+            self.means.push(sum.map(|s| s / f64::from(self.job.block_length.max(1))));
+            if self.means.len() as u64 == self.elements {
+                let block = self.job.blocks.start + ((self.next.0 - 1) / self.elements) as u32;
+                self.film.add_blocks(block..block + 1, &self.means)?;
+                self.means.clear();
+            }
+        }
+        Ok(())
+    }
+
+    /// The film and what the job took. Blocks that are not whole are not in it.
+    pub fn finish(self) -> (Film, JobStats) {
+        (self.film, self.stats)
+    }
+
+    /// What is in the film so far: whole blocks.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+}
+
+/// Position, extent and normal of each.
+fn probe_words(list: &[ProbeStart]) -> Vec<u32> {
+    let mut words = Vec::with_capacity(PROBE_WORDS * list.len());
+    for p in list {
+        words.extend(p.point.position.to_array().map(f32::to_bits));
+        words.push(p.point.extent.to_bits());
+        words.extend(p.normal.to_array().map(f32::to_bits));
+    }
+    words
+}
+
+/// Slots of a wave: what the job has use for, and what fits beside `more` words.
+fn slots(gpu: &Gpu, paths: u64, more: u64) -> Result<u64, BackendError> {
+    let software = gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+    let [own, played] = SLOTS;
+    let wanted = paths.next_multiple_of(u64::from(WORKGROUP)).clamp(u64::from(WORKGROUP), if software { played } else { own });
+    let words = gpu.binding_bytes() / 4;
+    let fit = words.saturating_sub(more) / ROWS / u64::from(WORKGROUP) * u64::from(WORKGROUP);
+    let fit = fit.min(gpu.dispatch_items(WORKGROUP));
+    if fit == 0 {
+        let what = "bytes for probes and a wave of paths in one binding";
+        let asked = 4 * (more + ROWS * u64::from(WORKGROUP));
+        return Err(BackendError::LimitExceeded { what, asked, allowed: gpu.binding_bytes() });
+    }
+    Ok(wanted.min(fit))
+}
