@@ -1,19 +1,20 @@
 //! Twins that no kernel reaches, against core: finishes of surfaces, boundaries, media, and all that reads a scene's lights.
 
 use super::{FEATURES, root_of, run};
-use crate::gpu::{Gpu, request};
+use crate::Options;
+use crate::gpu::Source;
 use crate::shaders::Link;
 use etendue_core::bsdf::plastic::{Coat, CoatTable};
 use etendue_core::bsdf::{Boundary, BsdfSample, Facets, Finish, Interface, Lobes, Metal, Rough};
 use etendue_core::geometry::{Ray, SurfacePoint};
 use etendue_core::light::{self, LightSample, emit};
 use etendue_core::math::Vec3;
-use etendue_core::medium::flight::{self, Flight};
 use etendue_core::medium::Medium;
+use etendue_core::medium::flight::{self, Flight};
 use etendue_core::sampling::counter::Counter;
 use etendue_core::scene::{
-    CheckerRecord, CompiledScene, EnvironmentDesc, EnvironmentImage, GridDesc, LightDesc, MediumDesc, SceneDesc,
-    ShapeDesc, ShapeKind, compile,
+    CheckerRecord, CompiledScene, EnvironmentDesc, EnvironmentImage, GridDesc, LightDesc, MediumDesc,
+    SceneDesc, ShapeDesc, ShapeKind, compile,
 };
 use etendue_core::sensor::Camera;
 
@@ -143,7 +144,7 @@ fn compare(
     constants: &[u32],
     mut case: impl FnMut(&mut Draw, &mut Words, &mut Words),
 ) {
-    let gpu = Gpu::new(pollster::block_on(request(None)).unwrap(), None, Vec::new());
+    let gpu = pollster::block_on(Source::request(None, Options::default())).unwrap().gpu();
     let root = root_of(module, "twin", sizes) + text;
     let link = Link { root: &root, features, mutations: &[] };
     let (mut items, mut expected) = (Words::default(), Words::default());
@@ -211,7 +212,8 @@ fn rough(kind: u32, size: f32) -> Option<Rough> {
 }
 
 /// Coats: roughness, its size, index.
-const COATS: [(u32, f32, f32); 5] = [(0, 0.0, 1.5), (1, 0.2, 1.5), (2, 0.4, 1.33), (3, 40.0, 1.9), (1, 0.7, 0.8)];
+const COATS: [(u32, f32, f32); 5] =
+    [(0, 0.0, 1.5), (1, 0.2, 1.5), (2, 0.4, 1.33), (3, 40.0, 1.9), (1, 0.7, 0.8)];
 
 #[test]
 fn finishes_are_cores() {
@@ -308,8 +310,7 @@ fn twin() {
             3 => {
                 let t = &tables[coat as usize];
                 let body = CoatTable::body(t.internal, ior.x, albedo, flag != 0);
-                let coat =
-                    Coat { ior: ior.x, rough: surface, mean: t.mean, transmittance: t.transmittance };
+                let coat = Coat { ior: ior.x, rough: surface, mean: t.mean, transmittance: t.transmittance };
                 Lobes::finished(body, Finish::Plastic(coat))
             }
             _ => Lobes::finished(albedo, Finish::Film { transmit: second }),
@@ -441,16 +442,23 @@ fn grid(size: [u32; 3], channels: u32, salt: u32) -> GridDesc {
 
 fn room(mut desc: SceneDesc) -> CompiledScene {
     let kind = ShapeKind::Sphere { center: [0.1, 0.2, 0.3], radius: 2.0 };
-    desc.shapes.push(ShapeDesc { kind, material: String::new(), interior: String::new(), exterior: String::new() });
+    desc.shapes.push(ShapeDesc {
+        kind,
+        material: String::new(),
+        interior: String::new(),
+        exterior: String::new(),
+    });
     compile(&desc).unwrap().0
 }
 
 #[test]
 fn media_are_cores() {
     let mut desc = SceneDesc::default();
-    let shapes = [([9, 2, 3], 1, [2, 2, 2], 3), ([17, 9, 1], 1, [1, 1, 1], 1), ([20, 3, 11], 3, [5, 6, 7], 1)];
+    let shapes =
+        [([9, 2, 3], 1, [2, 2, 2], 3), ([17, 9, 1], 1, [1, 1, 1], 1), ([20, 3, 11], 3, [5, 6, 7], 1)];
     for (i, (size, channels, albedo, albedo_channels)) in shapes.into_iter().enumerate() {
-        for (k, grids) in [[false, false], [true, false], [true, true], [false, true]].into_iter().enumerate() {
+        for (k, grids) in [[false, false], [true, false], [true, true], [false, true]].into_iter().enumerate()
+        {
             let mut medium = MediumDesc::new(&format!("{i} {k}"), [0.3, 0.1, 0.0], [2.0, 1.0, 0.0], 0.4);
             medium.emission = if k == 1 { [0.0; 3] } else { [0.5, 0.0, 1.5] };
             medium.density = grids[0].then(|| grid(size, channels, 1));
@@ -521,8 +529,12 @@ fn lit(size: [u32; 2]) -> CompiledScene {
     });
     let (s, c) = (0.6, 0.8);
     let to_world = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]];
-    let image =
-        (size[0] > 0).then(|| EnvironmentImage { width: size[0], height: size[1], texels: texels.collect(), to_world });
+    let image = (size[0] > 0).then(|| EnvironmentImage {
+        width: size[0],
+        height: size[1],
+        texels: texels.collect(),
+        to_world,
+    });
     let mut lights = vec![LightDesc::Environment(EnvironmentDesc { radiance: [1.0, 0.5, 2.0], image })];
     if size[0] != 5 {
         let position = [0.5, 3.0, 0.0];
@@ -590,26 +602,33 @@ fn twin() {
     for size in [[0, 0], [1, 1], [2, 2], [5, 7], [64, 32]] {
         let scene = lit(size);
         let constants = arena(&scene);
-        compare(&format!("lights {size:?}"), ("light", &text), FEATURES, [15, 26], &constants, |d, item, out| {
-            let (p, ng) = (d.vec3(-2.0, 2.0), d.direction());
-            let axes = [Vec3::Y, -Vec3::Y, -Vec3::Z, Vec3::X, Vec3::Z];
-            let direction = axes.get(d.below(24) as usize).copied().unwrap_or_else(|| d.direction());
-            let extent = d.unit();
-            let words = [d.word(), d.word(), d.word()];
-            let (pdf, share) = (if d.below(4) == 0 { 0.0 } else { d.unit() * 4.0 }, d.unit());
-            for v in [p, ng, direction] {
-                item.vec3(v);
-            }
-            item.float(extent);
-            for x in words {
-                item.word(x);
-            }
-            item.float(pdf);
-            item.float(share);
-            out.vec3(light::escaped(&scene, direction, pdf, share));
-            let s = light::sample_lights(&scene, p, words);
-            put_light(out, s, &SurfacePoint { position: p, extent }, ng);
-        });
+        compare(
+            &format!("lights {size:?}"),
+            ("light", &text),
+            FEATURES,
+            [15, 26],
+            &constants,
+            |d, item, out| {
+                let (p, ng) = (d.vec3(-2.0, 2.0), d.direction());
+                let axes = [Vec3::Y, -Vec3::Y, -Vec3::Z, Vec3::X, Vec3::Z];
+                let direction = axes.get(d.below(24) as usize).copied().unwrap_or_else(|| d.direction());
+                let extent = d.unit();
+                let words = [d.word(), d.word(), d.word()];
+                let (pdf, share) = (if d.below(4) == 0 { 0.0 } else { d.unit() * 4.0 }, d.unit());
+                for v in [p, ng, direction] {
+                    item.vec3(v);
+                }
+                item.float(extent);
+                for x in words {
+                    item.word(x);
+                }
+                item.float(pdf);
+                item.float(share);
+                out.vec3(light::escaped(&scene, direction, pdf, share));
+                let s = light::sample_lights(&scene, p, words);
+                put_light(out, s, &SurfacePoint { position: p, extent }, ng);
+            },
+        );
     }
 }
 

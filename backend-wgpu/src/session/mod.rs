@@ -4,15 +4,16 @@ mod features;
 mod path;
 mod scene;
 
+#[cfg(test)]
+pub(crate) use scene::OFFSETS;
+
 pub(crate) use path::Target;
 pub use path::{PathTask, Step};
 pub(crate) use scene::SceneBuffers;
 
 use crate::gpu::{Gpu, Source};
 use crate::unsupported;
-use etendue_core::backend::{
-    self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes,
-};
+use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes};
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::volume::{Surroundings, probe_starts};
