@@ -22,7 +22,9 @@ fn main() -> io::Result<()> {
     let mut files = Vec::new();
     collect(Path::new(ROOT), &mut files)?;
     files.sort();
-    let mut out = String::from("/// Every shader file: its path without ending, its text.\npub(crate) const FILES: &[(&str, &str)] = &[\n");
+    let mut out = String::from(
+        "/// Every shader file: its path without ending, its text.\npub(crate) const FILES: &[(&str, &str)] = &[\n",
+    );
     for file in &files {
         let name = file.strip_prefix(ROOT).unwrap_or(file).with_extension("");
         let name: Vec<_> = name.iter().map(|part| part.to_string_lossy()).collect();

@@ -1,10 +1,10 @@
 //! Paths on a device against the scalar reference: where the device's arithmetic is exact, films are equal to the last bit.
 
+use etendue_conformance::Level;
 use etendue_conformance::analytic::{BLOCKS, Estimator, compiled, job, render};
 use etendue_conformance::golden;
 use etendue_conformance::reference::ReferenceBackend;
 use etendue_conformance::scenes::cases::Measure;
-use etendue_conformance::Level;
 use etendue_core::backend::PathJob;
 use etendue_wgpu::WgpuBackend;
 
@@ -47,7 +47,12 @@ fn cases_have_the_reference_bits() {
         let theirs = render(&ReferenceBackend, Estimator::Path, &compiled, probes, &job).unwrap();
         if ours != theirs {
             let i = (0..ours.len()).find(|i| ours.mean(*i) != theirs.mean(*i));
-            wrong.push(format!("{} ({:?}; {})", case.name, i.map(|i| (i, ours.mean(i), theirs.mean(i))), compiled.needs));
+            wrong.push(format!(
+                "{} ({:?}; {})",
+                case.name,
+                i.map(|i| (i, ours.mean(i), theirs.mean(i))),
+                compiled.needs
+            ));
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");

@@ -63,11 +63,8 @@ fn translate(text: &str) -> Result<(Vec<u32>, Vec<Entry>), String> {
         .iter()
         .filter_map(|(_, v)| v.binding)
         .map(|b| {
-            let info = spv::BindingInfo {
-                descriptor_set: b.group,
-                binding: b.binding,
-                binding_array_size: None,
-            };
+            let info =
+                spv::BindingInfo { descriptor_set: b.group, binding: b.binding, binding_array_size: None };
             (b, info)
         })
         .collect();
@@ -133,10 +130,8 @@ mod tests {
             @compute @workgroup_size(64) fn main() { x[0] = (x[1] + x[2]) * x[3] - x[4] / x[5]; }";
         let (words, entries) = translate(text).unwrap();
         assert_eq!(entries, [("main".to_string(), [64, 1, 1])]);
-        let decorations = words
-            .windows(3)
-            .filter(|w| w[0] == (3 << 16 | OP_DECORATE) && w[2] == NO_CONTRACTION)
-            .count();
+        let decorations =
+            words.windows(3).filter(|w| w[0] == (3 << 16 | OP_DECORATE) && w[2] == NO_CONTRACTION).count();
         assert_eq!(decorations, 4);
     }
 

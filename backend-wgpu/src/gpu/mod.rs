@@ -9,8 +9,8 @@ mod source;
 pub(crate) use buffers::{Buffer, Pending};
 pub(crate) use pipelines::{Binding, Pipeline, PipelineKey};
 use request::request;
-pub(crate) use source::Source;
 pub use request::{AdapterName, adapters};
+pub(crate) use source::Source;
 
 use crate::shaders::Mutation;
 use etendue_core::backend::BackendError;

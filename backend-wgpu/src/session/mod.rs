@@ -4,6 +4,9 @@ mod features;
 mod path;
 mod scene;
 
+#[cfg(test)]
+pub(crate) use scene::OFFSETS;
+
 pub(crate) use path::Target;
 pub use path::{PathTask, Step};
 pub(crate) use scene::SceneBuffers;
@@ -11,9 +14,7 @@ pub(crate) use scene::SceneBuffers;
 use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
 use crate::unsupported;
-use etendue_core::backend::{
-    self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes,
-};
+use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes};
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
 use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};

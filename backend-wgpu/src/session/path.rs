@@ -72,8 +72,7 @@ impl Wave {
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::path\n");
         let name = format!("path {} stack {stack}", features.join(" "));
         let link = Link { root: &root, features: &features, mutations: &[] };
-        let pipeline =
-            |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &BINDINGS);
+        let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &BINDINGS);
         let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
         let key = PipelineKey { name: "turn".into(), entry: "turn" };
         Ok(Self {
@@ -319,11 +318,7 @@ impl PathTask {
         self.running = Some((part, self.steps_into(encoder)));
     }
 
-    fn pass<'a>(
-        &self,
-        encoder: &'a mut wgpu::CommandEncoder,
-        work: impl FnOnce(&mut wgpu::ComputePass<'a>),
-    ) {
+    fn pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder, work: impl FnOnce(&mut wgpu::ComputePass<'a>)) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         work(&mut pass);
     }
@@ -413,7 +408,9 @@ fn probe_words(list: &[ProbeStart]) -> Vec<u32> {
 fn slots(gpu: &Gpu, paths: u64, more: u64) -> Result<u64, BackendError> {
     let software = gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let [own, played] = SLOTS;
-    let wanted = paths.next_multiple_of(u64::from(WORKGROUP)).clamp(u64::from(WORKGROUP), if software { played } else { own });
+    let wanted = paths
+        .next_multiple_of(u64::from(WORKGROUP))
+        .clamp(u64::from(WORKGROUP), if software { played } else { own });
     let words = gpu.binding_bytes() / 4;
     let fit = words.saturating_sub(more) / ROWS / u64::from(WORKGROUP) * u64::from(WORKGROUP);
     let fit = fit.min(gpu.dispatch_items(WORKGROUP));

@@ -62,6 +62,8 @@ offsets! {
     environment_row_count,
     environment_starts,
     environment_columns,
+    media,
+    grids,
     camera,
 }
 
@@ -104,6 +106,8 @@ fn arena(scene: &CompiledScene) -> (Vec<u32>, SceneOffsets) {
         light_count: scene.lights.len() as u32,
         light_cumulative: a.add(&scene.light_cumulative),
         environment: a.add(&scene.environment),
+        media: a.add(&scene.media),
+        grids: a.add(&scene.grids),
         ..SceneOffsets::default()
     };
     if let Some(map) = &scene.environment_map {
@@ -156,12 +160,7 @@ fn block_words(blocks: &[Block]) -> Vec<u32> {
 }
 
 /// How many items of so many bytes go into the first of two buffers; an error where both are too small.
-fn split(
-    what: &'static str,
-    count: usize,
-    each: usize,
-    allowed: u64,
-) -> Result<usize, BackendError> {
+fn split(what: &'static str, count: usize, each: usize, allowed: u64) -> Result<usize, BackendError> {
     let fit = (allowed / each as u64) as usize;
     if count > 2 * fit {
         let asked = count as u64 * each as u64;

@@ -41,7 +41,10 @@ impl std::fmt::Display for LinkError {
                 write!(f, "shader `{module}`, line {line}: directive `{text}` is not understood here")
             }
             Self::Mutation { module, occurrences } => {
-                write!(f, "the text to replace in shader `{module}` occurs {occurrences} times, expected once")
+                write!(
+                    f,
+                    "the text to replace in shader `{module}` occurs {occurrences} times, expected once"
+                )
             }
         }
     }
@@ -84,11 +87,8 @@ impl Link<'_> {
         let mut open: Vec<bool> = Vec::new();
         let mut own = String::new();
         for (number, line) in text.lines().enumerate() {
-            let wrong = || LinkError::Directive {
-                module: module.into(),
-                line: number + 1,
-                text: line.trim().into(),
-            };
+            let wrong =
+                || LinkError::Directive { module: module.into(), line: number + 1, text: line.trim().into() };
             let Some(directive) = line.trim_start().strip_prefix("//:") else {
                 if open.iter().all(|on| *on) {
                     own.push_str(line);
@@ -99,10 +99,9 @@ impl Link<'_> {
             match *directive.split_whitespace().collect::<Vec<_>>() {
                 ["use", wanted] if open.iter().all(|on| *on) => {
                     if seen.insert(wanted.into()) {
-                        let text = self.file(wanted).ok_or_else(|| LinkError::NoFile {
-                            wanted: wanted.into(),
-                            by: module.into(),
-                        })?;
+                        let text = self
+                            .file(wanted)
+                            .ok_or_else(|| LinkError::NoFile { wanted: wanted.into(), by: module.into() })?;
                         self.add(wanted, &text, seen, out)?;
                     }
                 }
