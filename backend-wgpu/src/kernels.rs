@@ -11,7 +11,8 @@ const WORKGROUP: u32 = 64;
 const SLICE: u64 = 1 << 16;
 
 /// Kernels have all of the code: no scene says what it does without.
-pub(crate) const FEATURES: &[&str] = &["LOBES", "TEXTURES", "SHADING", "ENVIRONMENT_MAP", "COLOURED_GRIDS"];
+pub(crate) const FEATURES: &[&str] =
+    &["LOBES", "TEXTURES", "SHADING", "SHAPES", "ENVIRONMENT_MAP", "GRIDS", "COLOURED_GRIDS"];
 
 /// The file that has a kernel's adaptor: core's `evaluate` in WGSL.
 fn adaptor(kernel: Kernel) -> String {
@@ -30,6 +31,11 @@ fn entry(kernel: Kernel) -> String {
 /// The text that runs a kernel over the items of a batch.
 pub(crate) fn root(kernel: Kernel) -> String {
     let shape = kernel.shape();
+    root_of(&adaptor(kernel), &entry(kernel), [shape.item, shape.out])
+}
+
+/// The text that runs `entry` of a file over the items of a batch; words of an item and of its result.
+fn root_of(module: &str, entry: &str, [item, out]: [usize; 2]) -> String {
     format!(
         "//: use kernel::words
 //: use math::bits
@@ -46,11 +52,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
     start_item(id.x * {item}u, id.x * {out}u, {out}u);
     {entry}();
 }}
-",
-        module = adaptor(kernel),
-        item = shape.item,
-        out = shape.out,
-        entry = entry(kernel),
+"
     )
 }
 
@@ -69,19 +71,31 @@ pub(crate) fn map(
     if !is_here(kernel) {
         return Err(crate::unsupported(format!("kernel {}", kernel.name())));
     }
-    let text = root(kernel);
-    let key = PipelineKey { name: kernel.name().into(), entry: "main" };
-    let link = Link { root: &text, features: FEATURES, mutations: &[] };
+    let link = Link { root: &root(kernel), features: FEATURES, mutations: &[] };
+    run(gpu, kernel.name(), link, [shape.item, shape.out], constants, items, out)
+}
+
+/// Runs the text of [`root_of`] over a batch; lengths fit.
+fn run(
+    gpu: &Gpu,
+    name: &str,
+    link: Link<'_>,
+    [item, result]: [usize; 2],
+    constants: &[u32],
+    items: &[u32],
+    out: &mut [u32],
+) -> Result<(), BackendError> {
+    let key = PipelineKey { name: name.into(), entry: "main" };
     let bindings = [Binding::Uniform, Binding::Read, Binding::Read, Binding::Write];
     let pipeline = gpu.pipeline(key, link, &bindings)?;
-    let widest = shape.item.max(shape.out).max(1) as u64;
+    let widest = item.max(result).max(1) as u64;
     let slice = SLICE.min(gpu.binding_bytes() / (4 * widest)).min(gpu.dispatch_items(WORKGROUP)) as usize;
     gpu.scoped(|| {
         let constant_count = constants.len() as u32;
         let constants = gpu.upload("constants", constants)?;
-        let pairs = items.chunks(slice * shape.item).zip(out.chunks_mut(slice * shape.out));
+        let pairs = items.chunks(slice * item).zip(out.chunks_mut(slice * result));
         for (items, out) in pairs {
-            let count = (items.len() / shape.item) as u32;
+            let count = (items.len() / item) as u32;
             let uniform = gpu.uniform("batch", &[count, constant_count, 0, 0]);
             let input = gpu.upload("items", items)?;
             let output = gpu.room("results", out.len() as u64)?;
@@ -99,3 +113,6 @@ pub(crate) fn map(
         Ok(())
     })
 }
+
+#[cfg(test)]
+mod twins;

@@ -61,8 +61,18 @@ impl Gpu {
     /// Sends what `encoder` holds and asks for the first words of a buffer after it.
     pub(crate) fn submit_and_read(
         &self,
-        mut encoder: wgpu::CommandEncoder,
+        encoder: wgpu::CommandEncoder,
         from: &Buffer,
+        words: u64,
+    ) -> Pending {
+        self.submit_and_read_from(encoder, (from, 0), words)
+    }
+
+    /// The same for words from a place in the buffer on.
+    pub(crate) fn submit_and_read_from(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        (from, first): (&Buffer, u64),
         words: u64,
     ) -> Pending {
         let bytes = 4 * words;
@@ -72,7 +82,7 @@ impl Gpu {
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        encoder.copy_buffer_to_buffer(&from.raw, 0, &staging, 0, bytes);
+        encoder.copy_buffer_to_buffer(&from.raw, 4 * first, &staging, 0, bytes);
         self.submit(encoder);
         let (send, answered) = channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| {

@@ -62,6 +62,8 @@ offsets! {
     environment_row_count,
     environment_starts,
     environment_columns,
+    media,
+    grids,
     camera,
 }
 
@@ -104,6 +106,8 @@ fn arena(scene: &CompiledScene) -> (Vec<u32>, SceneOffsets) {
         light_count: scene.lights.len() as u32,
         light_cumulative: a.add(&scene.light_cumulative),
         environment: a.add(&scene.environment),
+        media: a.add(&scene.media),
+        grids: a.add(&scene.grids),
         ..SceneOffsets::default()
     };
     if let Some(map) = &scene.environment_map {

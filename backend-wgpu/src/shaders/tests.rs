@@ -32,17 +32,9 @@ const ELSEWHERE: &[[&str; 3]] = &[
     ["scene_float(", "fn scene_float(", "fn scene_float(i: u32) -> f32 { return f32(i); }"],
     ["grid_value(", "fn grid_value(", "fn grid_value(i: u32) -> f32 { return f32(i); }"],
     ["texel(", "fn texel(", "fn texel(i: u32) -> u32 { return i; }"],
-    [
-        "scene_at.",
-        "> scene_at:",
-        "struct SceneOffsets {
-            srgb_decode: u32, light_count: u32, lights: u32, light_cumulative: u32, environment: u32,
-            environment_width: u32, environment_height: u32, environment_light: u32, environment_to_world: u32,
-            environment_texels: u32, environment_rows: u32, environment_row_count: u32, environment_starts: u32,
-            environment_columns: u32
-        }
-        var<private> scene_at: SceneOffsets;",
-    ],
+    ["scene_at.", "> scene_at:", "var<private> scene_at: SceneOffsets;"],
+    ["TREE_STACK", "const TREE_STACK", "const TREE_STACK: u32 = 8u;"],
+    ["SceneOffsets", "struct SceneOffsets", crate::session::OFFSETS],
 ];
 
 #[test]

@@ -9,6 +9,7 @@
 
 pub mod blocks;
 pub mod form_factors;
+mod identity;
 pub mod lanes;
 pub mod operator;
 pub mod order;

@@ -4,6 +4,8 @@
 //: use geometry::surface
 //: use math::bits
 //: use math::choice
+//: use math::consts
+//: use math::roots
 //: use math::vector
 //: use sampling::discrete
 //: use sampling::warp
@@ -35,6 +37,11 @@ const LIGHT_ENVIRONMENT: u32 = 7u;
 fn light_float3(at: u32) -> vec3<f32> {
     return vec3(scene_float(at), scene_float(at + 1u), scene_float(at + 2u));
 }
+
+// Where a light of the scene begins.
+fn light_record(index: u32) -> u32 { return scene_at.lights + LIGHT_WORDS * index; }
+
+fn light_radiance(light: u32) -> vec3<f32> { return light_float3(light + LIGHT_RADIANCE); }
 
 fn light_params(light: u32) -> vec2<f32> {
     return vec2(scene_float(light + LIGHT_PARAMS), scene_float(light + LIGHT_PARAMS + 1u));
@@ -84,7 +91,7 @@ fn light_surface_sample(light: u32, p: vec3<f32>, point: vec3<f32>, normal: vec3
     let pmf = scene_float(light + LIGHT_PMF);
     let area = scene_float(light + LIGHT_AREA);
     let pdf = pmf * d2 / (area * cos);
-    let contribution = light_float3(light + LIGHT_RADIANCE) * (area * cos / (d2 * pmf));
+    let contribution = light_radiance(light) * (area * cos / (d2 * pmf));
     let found = pdf > 0.0f && pdf <= MAX_FLOAT && math_is_finite3(contribution);
     return LightSample(found, false, pdf, light_extent(light), wi, contribution, point, normal);
 }
@@ -112,7 +119,7 @@ fn light_sample_sphere(light: u32, p: vec3<f32>, u: vec2<f32>) -> LightSample {
     let point = p + wi * math_max_number(foot - half, 0.0f);
     let normal = math_normalize_or(point - center, vec3(0.0f));
     let pdf = scene_float(light + LIGHT_PMF) * light_cone_density(one_minus_cos_max);
-    let contribution = light_float3(light + LIGHT_RADIANCE) * (1.0f / pdf);
+    let contribution = light_radiance(light) * (1.0f / pdf);
     return LightSample(pdf > 0.0f && pdf <= MAX_FLOAT, false, pdf, r, wi, contribution, point, normal);
 }
 
@@ -121,7 +128,7 @@ fn light_sample(light: u32, p: vec3<f32>, u: vec2<f32>) -> LightSample {
     let kind = scene_word(light);
     if kind == LIGHT_SPHERE { return light_sample_sphere(light, p, u); }
     if kind == LIGHT_ENVIRONMENT { return light_nothing(); }
-    let radiance = light_float3(light + LIGHT_RADIANCE);
+    let radiance = light_radiance(light);
     let at = light_float3(light + LIGHT_PLACE);
     let normal = light_float3(light + LIGHT_NORMAL);
     let pmf = scene_float(light + LIGHT_PMF);
@@ -185,7 +192,7 @@ fn light_sample_environment(light: u32, p: vec3<f32>, words: vec2<u32>) -> Light
 fn light_pictured(direction: vec3<f32>, pdf: f32, share: f32) -> vec3<f32> {
     let met = environment_meet(direction);
     if pdf > 0.0f {
-        let pmf = scene_float(scene_at.lights + LIGHT_WORDS * scene_at.environment_light + LIGHT_PMF);
+        let pmf = scene_float(light_record(scene_at.environment_light) + LIGHT_PMF);
         return met.radiance * mis_power_heuristic(pdf, met.pdf * pmf * share);
     }
     return met.radiance;
@@ -208,7 +215,7 @@ fn light_sample_lights(p: vec3<f32>, words: vec3<u32>) -> LightSample {
         counts_at = scene_at.light_cumulative;
         index = discrete_pick_in(scene_at.light_count, words.x).index;
     }
-    return light_sample_light(scene_at.lights + LIGHT_WORDS * index, p, words.yz);
+    return light_sample_light(light_record(index), p, words.yz);
 }
 
 // Radiance that arrives along a ray that leaves the scene, drawn with density `pdf` (0: nothing competed with it).

@@ -1,4 +1,5 @@
 // The tree as it lies in buffers. Blocks are in two, since one binding may be too small for them.
+//: use geometry::shape
 //: use scene::arrays
 
 @group(0) @binding(2) var<storage, read> nodes: array<vec4<u32>>;
