@@ -6,6 +6,7 @@ use super::{ANOTHER, SUBMIT_BYTES, spread, words};
 use crate::gpu::{Binding, Buffer, Gpu, PipelineKey};
 use crate::shaders::Link;
 use etendue_core::backend::BackendError;
+use etendue_core::radiosity::Identity;
 use etendue_core::radiosity::blocks::{
     BlockError, BlockOperator, Entries, Format, Parts, Quad, SIDE, block_rows,
 };
@@ -19,7 +20,7 @@ const GROUP_ROWS: u32 = 4;
 #[derive(Debug)]
 pub struct BlocksOperator {
     gpu: Arc<Gpu>,
-    identity: u64,
+    identity: Identity,
     rows: usize,
     product: Vec<Dispatch>,
     parts: usize,
@@ -130,7 +131,7 @@ impl BlocksOperator {
         let (product, bytes) = product(gpu, operator, &cut, [&x, &y])?;
         Ok(Self {
             gpu: gpu.clone(),
-            identity: operator.identity(),
+            identity: operator.identity().clone(),
             rows,
             product,
             parts: cut.len(),
@@ -146,7 +147,7 @@ impl BlocksOperator {
 
     /// Whether it is of this operator as it is now.
     pub fn is_of(&self, operator: &BlockOperator) -> bool {
-        self.identity == operator.identity()
+        self.identity.is(operator.identity())
     }
 
     /// Whether it is on this device.

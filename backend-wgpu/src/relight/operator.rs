@@ -5,6 +5,7 @@ use super::{ANOTHER, SUBMIT_BYTES, spread, words};
 use crate::gpu::{Binding, Buffer, Gpu, PipelineKey};
 use crate::shaders::Link;
 use etendue_core::backend::BackendError;
+use etendue_core::radiosity::Identity;
 use etendue_core::radiosity::relight::{CoarseView, Pair, RelightError, Relighter, View};
 use etendue_core::radiosity::tiles::{Planes, SIDE, Tiles, tile_rows};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -28,7 +29,7 @@ struct Level {
 #[derive(Debug)]
 pub struct Operator {
     gpu: Arc<Gpu>,
-    identity: u64,
+    identity: Identity,
     rows: usize,
     product: Product,
     coarse: Option<Level>,
@@ -121,7 +122,7 @@ impl Operator {
         let weights = std::iter::once(&1.0).chain(view.weights);
         Ok(Self {
             gpu: gpu.clone(),
-            identity: relighter.identity(),
+            identity: relighter.identity().clone(),
             rows,
             product: Product::new(gpu, &[view.tiles], &x, &y)?,
             coarse: view.coarse.map(|c| level(c.tiles)).transpose()?,
@@ -134,7 +135,7 @@ impl Operator {
 
     /// Whether it is of this relighter as it is now.
     pub fn is_of(&self, relighter: &Relighter) -> bool {
-        self.identity == relighter.identity()
+        self.identity.is(relighter.identity())
     }
 
     /// Whether it is on this device.

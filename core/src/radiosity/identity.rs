@@ -1,21 +1,20 @@
 //! Which of two operators is which, without comparing megabytes.
 
-use core::sync::atomic::{AtomicU64, Ordering};
+use alloc::sync::Arc;
 
-static NEXT: AtomicU64 = AtomicU64::new(0);
-
-/// A number that no operator of this process had before. Copies share it, and what changes an operator gives it another: with equal numbers
-/// contents are equal. It is no part of the contents, so that all are equal in comparisons.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Identity(u64);
+/// What an operator is known by. Copies share it, and what changes an operator gives it another: who keeps the same identity keeps the same contents.
+/// It is no part of the contents, so that all are equal in comparisons; [`Identity::is`] tells them apart.
+#[derive(Clone, Debug)]
+pub struct Identity(Arc<()>);
 
 impl Identity {
     pub(super) fn fresh() -> Self {
-        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+        Self(Arc::new(()))
     }
 
-    pub(super) fn number(self) -> u64 {
-        self.0
+    /// Whether the two are of one and the same operator.
+    pub fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
     }
 }
 

@@ -18,3 +18,5 @@ pub mod polynomial;
 pub mod relight;
 pub mod tiles;
 pub mod transfer;
+
+pub use identity::Identity;

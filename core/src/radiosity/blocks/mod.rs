@@ -115,9 +115,9 @@ impl BlockOperator {
         View { lookup: &self.lookup[..], albedo: &self.albedo, into: &self.into, out: &self.out }
     }
 
-    /// A number by which a backend knows this operator again: equal numbers, equal contents, within one process.
-    pub fn identity(&self) -> u64 {
-        self.identity.number()
+    /// By what a backend knows this operator again.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     /// The same without a copy.

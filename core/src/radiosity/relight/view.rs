@@ -2,6 +2,7 @@
 
 use super::near::Pair;
 use super::{Coarse, Relighter};
+use crate::radiosity::Identity;
 use crate::radiosity::tiles::{Planes, SIDE, Tiles};
 
 /// All that a pass reads; runs of eight patches, zeros beyond the last. [`Relighter::relight`] says what is done with it.
@@ -67,8 +68,8 @@ impl Relighter {
         }
     }
 
-    /// A number by which a backend knows this operator again: equal numbers, equal contents, within one process.
-    pub fn identity(&self) -> u64 {
-        self.identity.number()
+    /// By what a backend knows this operator again.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
     }
 }
