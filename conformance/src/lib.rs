@@ -27,4 +27,4 @@ pub mod truth;
 
 pub use accuracy::{AccuracyReport, TABLE_COUNT, accuracy_report, drift, markdown};
 pub use kernels::AccuracyRow;
-pub use suite::{CheckResult, Level, Summary, run};
+pub use suite::{CheckResult, Group, Level, Summary, run, run_groups};

@@ -66,8 +66,29 @@ fn polynomial(name: &str) -> Tolerance {
     float("ulp", limit, "polynomial in f32, as core::math::ACCURACY states")
 }
 
+/// Kernels in which something below 2^-126 is multiplied by what is large. What their sums lose is far below all that counts.
+fn flushed(kernel: Kernel) -> Bound {
+    use Kernel as K;
+    let least = FLUSHED.limit;
+    match kernel {
+        K::PdfPowerCosine | K::EvalPhong | K::PdfPhong | K::EvalLobes | K::PdfLobes => Bound {
+            limit: least * 2048.0,
+            reason: "a power of the cosine below 2^-126 is 0, times (n + 2) / (2 pi) for exponents to 1e4",
+        },
+        K::FacetsDensity | K::PdfVisible => Bound {
+            limit: least * 1_048_576.0,
+            reason: "an exponential below 2^-126 is 0, times 1 / (pi alpha^2 cos^4)",
+        },
+        _ => FLUSHED,
+    }
+}
+
 /// The entry of a kernel.
 pub fn tolerance(kernel: Kernel) -> Tolerance {
+    Tolerance { flushed: flushed(kernel), ..rounding(kernel) }
+}
+
+fn rounding(kernel: Kernel) -> Tolerance {
     use Kernel as K;
     const ROUNDING: &str = "roundings of the formula";
     const ANGLE: &str = "sine and cosine of the azimuth, square root of the height";
