@@ -12,6 +12,12 @@ mod relight;
 mod session;
 mod shaders;
 
+#[cfg(test)]
+#[path = "../tests/adapter/mod.rs"]
+mod adapter;
+#[cfg(test)]
+extern crate self as etendue_wgpu;
+
 pub use gpu::{AdapterName, adapters};
 pub use relight::{BlocksOperator, Operator};
 pub use session::{PathTask, Step, WgpuSession};

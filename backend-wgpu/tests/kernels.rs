@@ -1,4 +1,4 @@
-//! Every kernel that has a shader, against the truth and the scalar reference.
+//! For work on shaders: kernels by their modules, each with its numbers. The suite (`suite.rs`) is what holds them.
 
 mod adapter;
 
@@ -6,8 +6,9 @@ use etendue_conformance::kernels::{FULL_COUNT, QUICK_COUNT, measure};
 use etendue_core::backend::{Backend, BackendError};
 use etendue_core::kernel::Kernel;
 
-/// `ETENDUE_KERNELS` chooses modules by name, for work on one of them.
+/// `ETENDUE_KERNELS=math,warp` chooses modules; `ETENDUE_FULL=1` takes as many items as the accuracy tables.
 #[test]
+#[ignore = "a tool: cargo test -p etendue-wgpu --test kernels -- --ignored --nocapture"]
 fn kernels_are_right() {
     let Some(backend) = adapter::backend() else { return };
     println!("{}: {}", backend.info().adapter, backend.arithmetic().describe());
