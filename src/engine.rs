@@ -47,10 +47,32 @@ impl FromStr for BackendKind {
 /// # Errors
 /// When the backend is not compiled in, has no device or cannot start.
 pub fn open_backend(kind: BackendKind, threads: Option<usize>) -> Result<Box<dyn Backend>, BackendError> {
+    open_backend_on(kind, threads, None)
+}
+
+/// The same on the adapter whose description ([`adapters`]) has `adapter` in it; `None` for the best. The CPU has none.
+///
+/// # Errors
+/// As [`open_backend`].
+pub fn open_backend_on(
+    kind: BackendKind,
+    threads: Option<usize>,
+    adapter: Option<&str>,
+) -> Result<Box<dyn Backend>, BackendError> {
     match kind {
         BackendKind::Cpu => cpu(threads),
-        BackendKind::Wgpu => wgpu(),
+        BackendKind::Wgpu => wgpu(adapter),
     }
+}
+
+/// Descriptions of the adapters that the wgpu backend can use here.
+pub fn adapters() -> Vec<String> {
+    #[cfg(feature = "wgpu")]
+    {
+        etendue_wgpu::adapters().iter().map(ToString::to_string).collect()
+    }
+    #[cfg(not(feature = "wgpu"))]
+    Vec::new()
 }
 
 #[cfg(feature = "cpu")]
@@ -67,12 +89,13 @@ fn cpu(_threads: Option<usize>) -> Result<Box<dyn Backend>, BackendError> {
 }
 
 #[cfg(feature = "wgpu")]
-fn wgpu() -> Result<Box<dyn Backend>, BackendError> {
-    Ok(Box::new(etendue_wgpu::WgpuBackend::request()?))
+fn wgpu(adapter: Option<&str>) -> Result<Box<dyn Backend>, BackendError> {
+    let options = etendue_wgpu::Options::default();
+    Ok(Box::new(etendue_wgpu::WgpuBackend::with_options(adapter, options)?))
 }
 
 #[cfg(not(feature = "wgpu"))]
-fn wgpu() -> Result<Box<dyn Backend>, BackendError> {
+fn wgpu(_adapter: Option<&str>) -> Result<Box<dyn Backend>, BackendError> {
     Err(absent("wgpu"))
 }
 

@@ -132,6 +132,7 @@ fn bad_usage_exits_with_2() {
             "--single-scatter",
         ),
         (render(&["--backend", "cuda"]), "expected `cpu` or `wgpu`"),
+        (render(&["--adapter", "any"]), "--adapter needs --backend wgpu"),
         (vec!["compare", "a.exr", "b.exr", "--fail-above", "flip"], "METRIC=NUMBER"),
         (vec!["compare", "a.exr", "b.exr", "--fail-above", "flip=much"], "METRIC=NUMBER"),
         (vec!["compare", "a.exr", "b.exr", "--variance-samples", "4"], "--variance"),
@@ -250,8 +251,10 @@ fn what_is_missing_exits_with_4() {
     let folder = Folder::new();
     let scene = closed_cornell();
     let small = ["--size", "2x2", "--samples", "16"];
-    // Until the backend has its shaders; then: without an adapter.
-    run(&["render", &scene, "-o", &folder.arg("a.exr"), "--backend", "wgpu"]).exits(4).says(&["wgpu"]);
+    let wanted = ["--backend", "wgpu", "--adapter", "an adapter that nobody has"];
+    run(&[&["render", &scene, "-o", &folder.arg("a.exr")][..], &wanted].concat())
+        .exits(4)
+        .says(&["an adapter that nobody has", "there are"]);
     let missing = folder.arg("nowhere/a.exr");
     run(&[&["render", &scene, "-o", &missing][..], &small].concat())
         .exits(4)
@@ -275,7 +278,8 @@ fn a_failing_run_leaves_what_was_there() {
     let points = folder.write("points.json", POINTS);
     run(&["render", &scene, "-o", &exr]).exits(3);
     run(&["render", "nowhere.toml", "-o", &exr]).exits(3);
-    run(&["render", &closed_cornell(), "-o", &exr, "--backend", "wgpu"]).exits(4);
+    let nobody = ["--backend", "wgpu", "--adapter", "an adapter that nobody has"];
+    run(&[&["render", &closed_cornell(), "-o", &exr][..], &nobody].concat()).exits(4);
     run(&["probe", &scene, "--points", &points, "-o", &json]).exits(3);
     for path in [&exr, &json] {
         assert_eq!(std::fs::read_to_string(path).unwrap(), good);

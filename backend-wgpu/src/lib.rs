@@ -8,10 +8,12 @@
 
 mod gpu;
 mod kernels;
+mod relight;
 mod session;
 mod shaders;
 
 pub use gpu::{AdapterName, adapters};
+pub use relight::{BlocksOperator, Operator};
 pub use session::{PathTask, Step, WgpuSession};
 pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
@@ -19,6 +21,8 @@ pub use wgpu;
 
 use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::Kernel;
+use etendue_core::radiosity::blocks::BlockOperator;
+use etendue_core::radiosity::relight::Relighter;
 use etendue_core::scene::CompiledScene;
 use gpu::Source;
 use std::sync::Arc;
@@ -42,6 +46,7 @@ pub struct Options {
 #[derive(Debug)]
 pub struct WgpuBackend {
     source: Arc<Source>,
+    prepared: relight::Prepared,
 }
 
 impl WgpuBackend {
@@ -74,13 +79,14 @@ impl WgpuBackend {
     /// # Errors
     /// As [`Self::request`].
     pub async fn request_async(name: Option<&str>, options: Options) -> Result<Self, BackendError> {
-        Ok(Self { source: Arc::new(Source::request(name, options).await?) })
+        Ok(Self { source: Arc::new(Source::request(name, options).await?), prepared: relight::Prepared::default() })
     }
 
     /// Computes on a host's device. Errors are caught in scopes of this backend's own; if the device is lost, so are the
     /// sessions, and the host makes a new backend of a new device.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { source: Arc::new(Source::of_host(device, queue, Options::default())) }
+        let source = Arc::new(Source::of_host(device, queue, Options::default()));
+        Self { source, prepared: relight::Prepared::default() }
     }
 
     /// Opens a scene; [`Backend::open`] gives the same behind the common trait.
@@ -94,6 +100,24 @@ impl WgpuBackend {
     /// Whether shaders keep their arithmetic as written, so that sums and products have the CPU's bits.
     pub fn is_exact(&self) -> bool {
         self.source.gpu().is_exact()
+    }
+
+    /// The relighter on the device, where the last one that was asked for stays.
+    ///
+    /// # Errors
+    /// When it does not fit the device.
+    #[doc(hidden)]
+    pub fn operator(&self, relighter: &Relighter) -> Result<Arc<Operator>, BackendError> {
+        self.source.run(|gpu| self.prepared.tiles(gpu, relighter))
+    }
+
+    /// The same for an operator in blocks.
+    ///
+    /// # Errors
+    /// As [`Self::operator`].
+    #[doc(hidden)]
+    pub fn blocks_operator(&self, operator: &BlockOperator) -> Result<Arc<BlocksOperator>, BackendError> {
+        self.source.run(|gpu| self.prepared.blocks(gpu, operator))
     }
 
     /// Destroys the device, as if it had been lost.

@@ -2,8 +2,9 @@
 
 use super::error::CliError;
 use crate::driver::{Budget, Settings};
-use crate::engine::BackendKind;
+use crate::engine::{BackendKind, open_backend_on};
 use clap::{Args, ValueEnum};
+use etendue_core::backend::Backend;
 use etendue_core::tone::{ToneMap, ToneSettings};
 use etendue_core::transport::bidirectional::{CUTOFF, Heuristic};
 use std::path::PathBuf;
@@ -17,6 +18,20 @@ pub(super) struct BackendArgs {
     /// Worker threads; the result does not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+    /// Part of the name of the adapter that the wgpu backend takes, as `etendue adapters` lists them [default: the best]
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+impl BackendArgs {
+    /// Starts it.
+    pub(super) fn open(&self) -> Result<Box<dyn Backend>, CliError> {
+        if self.adapter.is_some() && self.backend != BackendKind::Wgpu {
+            return Err(CliError::Usage("--adapter needs --backend wgpu".into()));
+        }
+        let threads = self.threads.map(|n| n as usize);
+        Ok(open_backend_on(self.backend, threads, self.adapter.as_deref())?)
+    }
 }
 
 /// What to say.

@@ -2,7 +2,6 @@
 
 use super::args::{BackendArgs, TalkArgs};
 use super::error::{CliError, NO};
-use crate::engine::open_backend;
 use crate::io::{LoadError, Problem};
 use etendue_conformance::{CheckResult, Level, accuracy_table, drift, markdown, run as run_suite};
 use etendue_core::backend::Backend;
@@ -30,7 +29,7 @@ pub(super) struct Args {
 
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
-    let backend = open_backend(args.backend.backend, args.backend.threads.map(|n| n as usize))?;
+    let backend = args.backend.open()?;
     let info = backend.info();
     if args.accuracy {
         let rows = accuracy_table(&*backend)?;

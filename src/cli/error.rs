@@ -61,6 +61,8 @@ fn backend_code(e: &BackendError) -> u8 {
     match e {
         BackendError::Unsupported { .. }
         | BackendError::NoAdapter { .. }
+        | BackendError::DeviceLost { .. }
+        | BackendError::Device { .. }
         | BackendError::LimitExceeded { .. } => RESOURCE,
         BackendError::BadJob { .. } => USAGE,
         _ => INPUT,

@@ -4,7 +4,6 @@ use super::args::{BackendArgs, Size, TalkArgs};
 use super::error::CliError;
 use super::output::scene_hash;
 use crate::driver::{CONFIDENCE, Outcome};
-use crate::engine::open_backend;
 use crate::io::load_scene;
 use etendue_core::backend::{BackendInfo, Session};
 use etendue_core::scene::{CompileReport, CompiledScene, compile};
@@ -120,7 +119,7 @@ pub(super) fn open(
         eprintln!("note: nothing in the scene emits light; the result is black");
     }
     let hash = scene_hash(&scene);
-    let engine = open_backend(backend.backend, backend.threads.map(|n| n as usize))?;
+    let engine = backend.open()?;
     let session = engine.open(Arc::new(scene))?;
     stages.done("prepare");
     Ok(Opened { session, info: engine.info(), hash })

@@ -1,5 +1,6 @@
 //! The command line: one file per verb. No math happens here.
 
+mod adapters;
 mod args;
 mod bake;
 mod bake_args;
@@ -48,6 +49,8 @@ enum Verb {
     Compare(compare::Args),
     /// Run the conformance suite on a backend
     Conformance(conformance::Args),
+    /// List the adapters that the wgpu backend can use
+    Adapters(adapters::Args),
 }
 
 /// Runs the command of this process.
@@ -67,6 +70,7 @@ pub fn main() -> ExitCode {
         Verb::Relight(args) => relight::run(args),
         Verb::Compare(args) => compare::run(args),
         Verb::Conformance(args) => conformance::run(args),
+        Verb::Adapters(args) => adapters::run(args),
     };
     match result {
         Ok(code) => code,

@@ -8,11 +8,9 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 #[derive(Debug)]
 pub(crate) struct Buffer {
     pub(crate) raw: wgpu::Buffer,
-    /// Bytes; at least 16, since an empty binding is none.
-    pub(crate) bytes: u64,
 }
 
-/// The least that a binding has.
+/// The bytes that a binding has at least: an empty one is none.
 const LEAST: u64 = 16;
 
 impl Gpu {
@@ -35,7 +33,7 @@ impl Gpu {
                 | wgpu::BufferUsages::INDIRECT,
             mapped_at_creation: false,
         });
-        Ok(Buffer { raw, bytes })
+        Ok(Buffer { raw })
     }
 
     /// Words that the device reads.
@@ -57,14 +55,24 @@ impl Gpu {
             mapped_at_creation: false,
         });
         self.queue.write_buffer(&raw, 0, bytemuck::cast_slice(words));
-        Buffer { raw, bytes }
+        Buffer { raw }
     }
 
     /// Sends what `encoder` holds and asks for the first words of a buffer after it.
     pub(crate) fn submit_and_read(
         &self,
-        mut encoder: wgpu::CommandEncoder,
+        encoder: wgpu::CommandEncoder,
         from: &Buffer,
+        words: u64,
+    ) -> Pending {
+        self.submit_and_read_from(encoder, (from, 0), words)
+    }
+
+    /// The same for words from a place in the buffer on.
+    pub(crate) fn submit_and_read_from(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        (from, first): (&Buffer, u64),
         words: u64,
     ) -> Pending {
         let bytes = 4 * words;
@@ -74,7 +82,7 @@ impl Gpu {
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        encoder.copy_buffer_to_buffer(&from.raw, 0, &staging, 0, bytes);
+        encoder.copy_buffer_to_buffer(&from.raw, 4 * first, &staging, 0, bytes);
         self.submit(encoder);
         let (send, answered) = channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| {

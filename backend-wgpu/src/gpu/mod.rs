@@ -61,9 +61,24 @@ impl Gpu {
         let done = work();
         let found = [validation.pop(), memory.pop(), internal.pop()].map(pollster::block_on);
         match found.into_iter().flatten().next() {
+            Some(e) if self.is_lost() => Err(self.lost(e.to_string())),
             Some(e) => Err(self.refused(e.to_string())),
             None => done,
         }
+    }
+
+    /// Whether nothing works any more. A lost device says only that what was made after its loss is no good, as it would of a
+    /// fault of ours: so it is asked for what cannot be wrong.
+    fn is_lost(&self) -> bool {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 4,
+            usage: wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, &[0; 4]);
+        pollster::block_on(scope.pop()).is_some()
     }
 
     /// Bytes that one storage binding can have.

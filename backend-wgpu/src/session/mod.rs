@@ -12,9 +12,12 @@ pub use path::{PathTask, Step};
 pub(crate) use scene::SceneBuffers;
 
 use crate::gpu::{Gpu, Source};
+use crate::relight::Prepared;
 use crate::unsupported;
 use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes};
 use etendue_core::film::{Film, FilmError, FilmSettings};
+use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
+use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::volume::{Surroundings, probe_starts};
 use etendue_tree::WideTree;
@@ -30,6 +33,7 @@ pub struct WgpuSession {
     surroundings: Surroundings,
     preparation: Vec<(&'static str, f64)>,
     sent: Mutex<Option<(Arc<Gpu>, Arc<SceneBuffers>)>>,
+    operators: Prepared,
 }
 
 impl WgpuSession {
@@ -38,8 +42,15 @@ impl WgpuSession {
         let tree = WideTree::build(&scene.primitives());
         let built = start.elapsed().as_secs_f64();
         let surroundings = Surroundings::of(&scene, &tree);
-        let mut session =
-            Self { source, scene, tree, surroundings, preparation: Vec::new(), sent: Mutex::new(None) };
+        let mut session = Self {
+            source,
+            scene,
+            tree,
+            surroundings,
+            preparation: Vec::new(),
+            sent: Mutex::new(None),
+            operators: Prepared::default(),
+        };
         let start = Instant::now();
         session.source.clone().run(|gpu| session.buffers(gpu))?;
         session.preparation = vec![("tree", built), ("upload", start.elapsed().as_secs_f64())];
@@ -173,5 +184,37 @@ impl Session for WgpuSession {
         self.check_paths(job)?;
         same_film(film, &expected)?;
         self.run(job, &self.probes(probes)?, control, film)
+    }
+
+    fn relight(
+        &self,
+        relighter: &Relighter,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        passes: u32,
+        _room: &mut Workspace,
+    ) -> Result<(), RelightError> {
+        self.operators.relight(&self.source, relighter, light, indirect, passes)
+    }
+
+    fn converge(
+        &self,
+        relighter: &Relighter,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        until: (u32, f64),
+        _room: &mut Workspace,
+    ) -> Result<u32, RelightError> {
+        self.operators.converge(&self.source, relighter, light, indirect, until)
+    }
+
+    fn relight_blocks(
+        &self,
+        operator: &BlockOperator,
+        light: (&[[f32; 3]], &[[f32; 3]]),
+        indirect: &mut [[f32; 3]],
+        _room: &mut blocks::Workspace,
+    ) -> Result<(), BlockError> {
+        self.operators.relight_blocks(&self.source, operator, light, indirect)
     }
 }

@@ -9,6 +9,7 @@
 
 pub mod blocks;
 pub mod form_factors;
+mod identity;
 pub mod lanes;
 pub mod operator;
 pub mod order;
@@ -17,3 +18,5 @@ pub mod polynomial;
 pub mod relight;
 pub mod tiles;
 pub mod transfer;
+
+pub use identity::Identity;

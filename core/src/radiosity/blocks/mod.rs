@@ -68,6 +68,8 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 use decode::LOOKUP;
 
+use super::identity::Identity;
+
 /// Side of a block.
 pub const SIDE: usize = 4;
 
@@ -86,12 +88,36 @@ pub struct BlockOperator {
     albedo: Vec<Quad>,
     into: Vec<[f32; SIDE]>,
     out: Vec<[f32; SIDE]>,
+    identity: Identity,
+}
+
+/// What a backend reads that forms products by itself, beside [`Parts`]; runs of four rows of the matrix, zeros beyond the last.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// Values of the palette entries that endpoints make: see the module `decode`.
+    pub lookup: &'a [f32],
+    /// Albedos.
+    pub albedo: &'a [Quad],
+    /// Factors before the product.
+    pub into: &'a [[f32; SIDE]],
+    /// Factors after it.
+    pub out: &'a [[f32; SIDE]],
 }
 
 impl BlockOperator {
     /// All that a file needs to have.
     pub fn parts(&self) -> &Parts {
         &self.parts
+    }
+
+    /// What products read.
+    pub fn view(&self) -> View<'_> {
+        View { lookup: &self.lookup[..], albedo: &self.albedo, into: &self.into, out: &self.out }
+    }
+
+    /// By what a backend knows this operator again.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     /// The same without a copy.

@@ -3,7 +3,9 @@
 use super::decode::lookup;
 use super::stripe::Quad;
 use super::{BlockOperator, SIDE, block_rows};
+use crate::backend::BackendError;
 use crate::codec::log_offset::LogOffsetError;
+use crate::radiosity::identity::Identity;
 use crate::radiosity::operator::OperatorError;
 use crate::radiosity::polynomial::SolveError;
 use alloc::vec;
@@ -202,6 +204,8 @@ pub enum BlockError {
     Solve(SolveError),
     /// Entries without a logarithm.
     Codes(LogOffsetError),
+    /// A backend that has no room for it, or whose device failed.
+    Backend(BackendError),
 }
 
 impl fmt::Display for BlockError {
@@ -225,11 +229,18 @@ impl fmt::Display for BlockError {
             Self::Operator(e) => e.fmt(f),
             Self::Solve(e) => e.fmt(f),
             Self::Codes(e) => e.fmt(f),
+            Self::Backend(e) => e.fmt(f),
         }
     }
 }
 
 impl core::error::Error for BlockError {}
+
+impl From<BackendError> for BlockError {
+    fn from(e: BackendError) -> Self {
+        Self::Backend(e)
+    }
+}
 
 impl From<OperatorError> for BlockError {
     fn from(e: OperatorError) -> Self {
@@ -384,6 +395,7 @@ impl BlockOperator {
             albedo: vec![Quad::default(); rows],
             into: vec![[0.0; SIDE]; rows],
             out: vec![[0.0; SIDE]; rows],
+            identity: Identity::fresh(),
         };
         for row in 0..n {
             let albedo = made.parts.albedo[made.patch(row)];

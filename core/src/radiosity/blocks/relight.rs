@@ -4,6 +4,7 @@ use super::parts::{BlockError, Matrix, check_len, check_values};
 use super::schedule::{Schedule, Scratch};
 use super::stripe::{Quad, Sent};
 use super::{BlockOperator, SIDE, block_rows};
+use crate::radiosity::identity::Identity;
 use alloc::vec::Vec;
 
 /// What a relighting gives.
@@ -44,6 +45,7 @@ impl BlockOperator {
         }
         check_len("albedo", albedo.len(), self.len())?;
         check_values("albedo", albedo.as_flattened(), 3, |x| (0.0..=1.0).contains(&x))?;
+        self.identity = Identity::fresh();
         for row in 0..self.len() {
             let rho = albedo[self.patch(row)];
             (0..3).for_each(|c| self.albedo[row / SIDE][c][row % SIDE] = rho[c]);
@@ -62,6 +64,45 @@ impl BlockOperator {
         }
     }
 
+    /// Products of a relighting.
+    pub fn products(&self) -> u32 {
+        match self.parts.matrix {
+            Matrix::FormFactors { bounces } => bounces.max(1),
+            _ => 1,
+        }
+    }
+
+    /// B0 = R E_direct + emission of light that [`Self::relight`] takes, in the order of rows: `start` has all of them, zeros beyond the last. `indirect` is how many numbers
+    /// are wanted.
+    ///
+    /// # Errors
+    /// As [`Self::relight`].
+    pub fn start(
+        &self,
+        (direct, emission): (&[[f32; 3]], &[[f32; 3]]),
+        indirect: usize,
+        start: &mut [Quad],
+    ) -> Result<(), BlockError> {
+        let n = self.len();
+        check_len("direct irradiance", direct.len(), n)?;
+        check_len("indirect light", indirect, n)?;
+        check_len("runs of rows", start.len(), block_rows(n))?;
+        if !emission.is_empty() {
+            check_len("emission", emission.len(), n)?;
+        }
+        check_values("direct irradiance", direct.as_flattened(), 3, f32::is_finite)?;
+        check_values("emission", emission.as_flattened(), 3, f32::is_finite)?;
+        for row in 0..n {
+            let patch = self.patch(row);
+            for c in 0..3 {
+                let own = emission.get(patch).map_or(0.0, |e| e[c]);
+                start[row / SIDE][c][row % SIDE] =
+                    self.albedo[row / SIDE][c][row % SIDE] * direct[patch][c] + own;
+            }
+        }
+        Ok(())
+    }
+
     /// Indirect light ([`Self::quantity`]) per patch from direct irradiance \[W m^-2\] and the radiosity that patches emit themselves \[W m^-2\] (empty: nothing).
     ///
     /// What goes in is B0 = R E_direct + emission. One product, or for form factors as many as there are bounces. Nothing is allocated once the workspace has been used.
@@ -76,33 +117,15 @@ impl BlockOperator {
         room: &mut Workspace,
     ) -> Result<(), BlockError> {
         let n = self.len();
-        check_len("direct irradiance", direct.len(), n)?;
-        check_len("indirect light", indirect.len(), n)?;
-        if !emission.is_empty() {
-            check_len("emission", emission.len(), n)?;
-        }
-        check_values("direct irradiance", direct.as_flattened(), 3, f32::is_finite)?;
-        check_values("emission", emission.as_flattened(), 3, f32::is_finite)?;
         let rows = block_rows(n);
         for quads in [&mut room.start, &mut room.x, &mut room.y] {
             quads.clear();
             quads.resize(rows, Quad::default());
         }
+        self.start((direct, emission), indirect.len(), &mut room.start)?;
         room.flat.clear();
         room.flat.resize(n, [0.0; 4]);
-        for row in 0..n {
-            let patch = self.patch(row);
-            for c in 0..3 {
-                let own = emission.get(patch).map_or(0.0, |e| e[c]);
-                room.start[row / SIDE][c][row % SIDE] =
-                    self.albedo[row / SIDE][c][row % SIDE] * direct[patch][c] + own;
-            }
-        }
-        let bounces = match self.parts.matrix {
-            Matrix::FormFactors { bounces } => bounces.max(1),
-            _ => 1,
-        };
-        for bounce in 0..bounces {
+        for bounce in 0..self.products() {
             // B0 first, then B0 + R E.
             for (row, x) in room.x.iter_mut().enumerate() {
                 for c in 0..3 {

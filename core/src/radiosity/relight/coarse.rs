@@ -34,14 +34,14 @@ impl core::error::Error for CoarseError {}
 /// Gc = Fc (I - Rc Fc)^-1 per channel, each in tiles of Ac^1/2 Gc Ac^-1/2, which is symmetric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coarse {
-    tiles: [Tiles; 3],
+    pub(super) tiles: [Tiles; 3],
     /// w: what a patch gets of its cluster's irradiance.
-    spread: Vec<[f32; SIDE]>,
+    pub(super) spread: Vec<[f32; SIDE]>,
     /// Share of each patch in its cluster's mean, a w / Ac.
-    shares: Vec<[f32; SIDE]>,
+    pub(super) shares: Vec<[f32; SIDE]>,
     /// Ac^1/2 and Ac^-1/2.
-    into: Vec<[f32; SIDE]>,
-    out: Vec<[f32; SIDE]>,
+    pub(super) into: Vec<[f32; SIDE]>,
+    pub(super) out: Vec<[f32; SIDE]>,
     rates: Rates,
 }
 

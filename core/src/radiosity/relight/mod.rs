@@ -26,16 +26,21 @@ mod near;
 mod passes;
 #[cfg(test)]
 mod tests;
+mod view;
 pub mod weights;
 
 pub use coarse::{Coarse, CoarseError, CoarseParts};
+pub use near::Pair;
+pub use view::{CoarseView, View};
 
 use super::form_factors::FormFactors;
+use super::identity::Identity;
 use super::operator::OperatorError;
 pub use super::polynomial::Portable;
 
 use super::polynomial::Multiply;
 use super::tiles::{Planes, Rates, SIDE, Scratch, TileError, Tiles, encode, tile_rows};
+use crate::backend::BackendError;
 use crate::math;
 use alloc::vec::Vec;
 use core::fmt;
@@ -96,6 +101,8 @@ pub enum RelightError {
     Tiles(TileError),
     /// Clusters that have no inverse.
     Coarse(CoarseError),
+    /// A backend that has no room for it, or whose device failed.
+    Backend(BackendError),
 }
 
 impl fmt::Display for RelightError {
@@ -107,11 +114,18 @@ impl fmt::Display for RelightError {
             Self::BadValue { slice, patch, value } => write!(f, "{slice} of patch {patch} is {value}"),
             Self::Tiles(e) => e.fmt(f),
             Self::Coarse(e) => e.fmt(f),
+            Self::Backend(e) => e.fmt(f),
         }
     }
 }
 
 impl core::error::Error for RelightError {}
+
+impl From<BackendError> for RelightError {
+    fn from(e: BackendError) -> Self {
+        Self::Backend(e)
+    }
+}
 
 impl From<TileError> for RelightError {
     fn from(e: TileError) -> Self {
@@ -141,6 +155,7 @@ pub struct Relighter {
     weights: Vec<f32>,
     /// What part of its change a pass makes: less than 1 where it would overshoot.
     damping: f32,
+    identity: Identity,
 }
 
 /// Room for a relighting: none is asked for while it runs.
@@ -293,6 +308,7 @@ impl Relighter {
             near: Near::default(),
             weights: Vec::new(),
             damping: 1.0,
+            identity: Identity::fresh(),
         })
     }
 
@@ -305,6 +321,7 @@ impl Relighter {
         multiply: &M,
         rates: Rates,
     ) -> Result<Self, RelightError> {
+        self.identity = Identity::fresh();
         let albedo = self.albedo_list();
         let spread = self.row_sums();
         let clusters = self.clusters(&spread);
@@ -319,6 +336,7 @@ impl Relighter {
     /// Another number of patches.
     pub fn with_coarse_of(mut self, other: &Self, rates: Rates) -> Result<Self, RelightError> {
         check_len("patches", other.len(), self.len())?;
+        self.identity = Identity::fresh();
         self.coarse = other.coarse.as_ref().map(|c| c.encoded(rates)).transpose()?;
         self.near = if self.coarse.is_some() { Near::of(&self) } else { Near::default() };
         self.damping = other.damping;
@@ -334,6 +352,7 @@ impl Relighter {
         if let Some(patch) = weights.iter().position(|w| !w.is_finite()) {
             return Err(RelightError::BadValue { slice: "weight", patch, value: weights[patch] });
         }
+        self.identity = Identity::fresh();
         self.weights = weights;
         Ok(self)
     }
@@ -341,6 +360,7 @@ impl Relighter {
     /// Without the second level: plain bounces.
     #[must_use]
     pub fn without_coarse(mut self) -> Self {
+        self.identity = Identity::fresh();
         self.coarse = None;
         self.near = Near::default();
         self.damping = 1.0;
@@ -356,6 +376,7 @@ impl Relighter {
         if !(damping > 0.0 && damping <= 1.0) {
             return Err(RelightError::BadValue { slice: "damping", patch: 0, value: damping });
         }
+        self.identity = Identity::fresh();
         self.coarse = Some(Coarse::from_tiles(tiles, (&self.areas, &spread), rates)?);
         self.near = Near::of(&self);
         self.damping = damping;
@@ -462,6 +483,7 @@ impl Relighter {
     ) -> Result<(), RelightError> {
         check_len("albedo", albedo.len(), self.len())?;
         check("albedo", albedo, |x| (0.0..=1.0).contains(&x))?;
+        self.identity = Identity::fresh();
         self.albedo = planes(albedo);
         if let Some(coarse) = &self.coarse {
             let rates = coarse.rates();

@@ -9,12 +9,13 @@ use alloc::vec::Vec;
 /// The least root of F(i, j) F(j, i) that is much.
 const MUCH: f32 = 0.05;
 
-/// A pair.
+/// A pair of patches i >= j.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Pair {
-    patches: [u32; 2],
+pub struct Pair {
+    /// i and j.
+    pub patches: [u32; 2],
     /// F(i, j) and F(j, i).
-    factors: [f32; 2],
+    pub factors: [f32; 2],
 }
 
 /// All of them.
@@ -35,6 +36,10 @@ impl Near {
             }
         });
         Self(pairs)
+    }
+
+    pub(super) fn pairs(&self) -> &[Pair] {
+        &self.0
     }
 
     /// Bytes of all of it.

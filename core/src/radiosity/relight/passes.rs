@@ -119,8 +119,8 @@ impl Relighter {
         )
     }
 
-    /// Relative change from one irradiance to the next.
-    fn change(&self, next: &[Planes<3>], last: &[Planes<3>]) -> f64 {
+    /// Relative change from one irradiance to the next, in runs of eight patches: what [`Self::converge`] compares.
+    pub fn change(&self, next: &[Planes<3>], last: &[Planes<3>]) -> f64 {
         let (mut moved, mut all) = (0.0, 0.0);
         for (i, area) in self.areas.iter().enumerate() {
             for c in 0..3 {
@@ -138,6 +138,42 @@ impl Relighter {
         }
     }
 
+    /// B0 = R E_direct + emission of light that [`Self::relight`] takes, in runs of eight patches: `start` has all of them, and zeros beyond the last patch. `indirect` is how many
+    /// numbers are wanted.
+    ///
+    /// # Errors
+    /// As [`Self::relight`].
+    pub fn start(
+        &self,
+        (direct, emission): (&[[f32; 3]], &[[f32; 3]]),
+        indirect: usize,
+        start: &mut [Planes<3>],
+    ) -> Result<(), RelightError> {
+        let n = self.len();
+        check_len("direct irradiance", direct.len(), n)?;
+        check_len("indirect irradiance", indirect, n)?;
+        check_len("runs of patches", start.len(), tile_rows(n))?;
+        if !emission.is_empty() {
+            check_len("emission", emission.len(), n)?;
+        }
+        check("direct irradiance", direct, f32::is_finite)?;
+        check("emission", emission, f32::is_finite)?;
+        fill(start, direct);
+        for (b, rho) in start.iter_mut().zip(&self.albedo) {
+            for c in 0..3 {
+                for k in 0..SIDE {
+                    b[c][k] *= rho[c][k];
+                }
+            }
+        }
+        for (i, emission) in emission.iter().enumerate() {
+            for (b, e) in start[i / SIDE].iter_mut().zip(emission) {
+                b[i % SIDE] += e;
+            }
+        }
+        Ok(())
+    }
+
     fn run<P: Products>(
         &self,
         products: &P,
@@ -146,28 +182,8 @@ impl Relighter {
         (passes, tolerance): (u32, f64),
         room: &mut Workspace,
     ) -> Result<u32, RelightError> {
-        let n = self.len();
-        check_len("direct irradiance", direct.len(), n)?;
-        check_len("indirect irradiance", indirect.len(), n)?;
-        if !emission.is_empty() {
-            check_len("emission", emission.len(), n)?;
-        }
-        check("direct irradiance", direct, f32::is_finite)?;
-        check("emission", emission, f32::is_finite)?;
-        room.clear(tile_rows(n));
-        fill(&mut room.start, direct);
-        for (b, rho) in room.start.iter_mut().zip(&self.albedo) {
-            for c in 0..3 {
-                for k in 0..SIDE {
-                    b[c][k] *= rho[c][k];
-                }
-            }
-        }
-        for (i, emission) in emission.iter().enumerate() {
-            for (b, e) in room.start[i / SIDE].iter_mut().zip(emission) {
-                b[i % SIDE] += e;
-            }
-        }
+        room.clear(tile_rows(self.len()));
+        self.start((direct, emission), indirect.len(), &mut room.start)?;
         room.radiosity.copy_from_slice(&room.start);
         if let Some(coarse) = &self.coarse {
             let sent = coarse.apply(products, &room.start, &mut room.coarse);
