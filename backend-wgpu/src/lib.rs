@@ -79,7 +79,10 @@ impl WgpuBackend {
     /// # Errors
     /// As [`Self::request`].
     pub async fn request_async(name: Option<&str>, options: Options) -> Result<Self, BackendError> {
-        Ok(Self { source: Arc::new(Source::request(name, options).await?), prepared: relight::Prepared::default() })
+        Ok(Self {
+            source: Arc::new(Source::request(name, options).await?),
+            prepared: relight::Prepared::default(),
+        })
     }
 
     /// Computes on a host's device. Errors are caught in scopes of this backend's own; if the device is lost, so are the
