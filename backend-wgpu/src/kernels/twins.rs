@@ -431,7 +431,7 @@ fn twin() {
 fn grid(size: [u32; 3], channels: u32, salt: u32) -> GridDesc {
     let numbers = Counter::new(9);
     let count = size.iter().product::<u32>() * channels;
-    let value = |i: u32| if i % 3 == 0 { 0.0 } else { numbers.unit(salt, i, 0) };
+    let value = |i: u32| if i.is_multiple_of(3) { 0.0 } else { numbers.unit(salt, i, 0) };
     let to_world = [[1.0, 0.1, 0.0, -0.5], [0.0, 1.2, 0.2, -0.6], [0.1, 0.0, 0.9, -0.45]];
     GridDesc { size, channels, values: (0..count).map(value).collect(), to_world }
 }

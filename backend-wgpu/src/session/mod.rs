@@ -16,11 +16,15 @@ use crate::relight::Prepared;
 use crate::unsupported;
 use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes};
 use etendue_core::film::{Film, FilmError, FilmSettings};
+use etendue_core::geometry::Intersector;
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
+use etendue_core::radiosity::patches::PatchMap;
 use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
+use etendue_core::radiosity::transfer::{self, PatchGrid, Transfer};
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::volume::{Surroundings, probe_starts};
 use etendue_tree::WideTree;
+use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
@@ -184,6 +188,16 @@ impl Session for WgpuSession {
         self.check_paths(job)?;
         same_film(film, &expected)?;
         self.run(job, &self.probes(probes)?, control, film)
+    }
+
+    fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {
+        // Once for an operator, by a few short rays an element: the host's tree is at hand.
+        let (grid, places) = (PatchGrid::new(map), transfer::places(&self.scene, map));
+        let weights = |element: usize| match Transfer::place(map, &places, element) {
+            Some(place) => grid.weights(map, place, |ray| self.tree.occluded(ray)),
+            None => Vec::new(),
+        };
+        Ok(Transfer::new((0..map.elements.count()).into_par_iter().map(weights).collect()))
     }
 
     fn relight(

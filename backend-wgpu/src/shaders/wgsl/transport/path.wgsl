@@ -50,12 +50,9 @@ fn path_sample_light(state: ptr<function, PathState>, surface: Surface, group: u
     let s = light_sample_lights(surface.point.position, bits.xyz);
     if !s.found || math_dot(s.wi, surface.geometric) <= 0.0f { return false; }
     let cos = math_dot(s.wi, surface.shading);
-    let f = lobes_eval(surface.lobes, surface.shading, surface.wo, s.wi);
-    var pending = (*state).throughput * f * s.contribution * math_max_number(cos, 0.0f);
-    if s.pdf > 0.0f {
-        let other = lobes_pdf_solid_angle(surface.lobes, surface.shading, surface.wo, s.wi);
-        pending *= mis_power_heuristic(s.pdf, other);
-    }
+    let value = lobes_value(surface.lobes, surface.shading, surface.wo, s.wi);
+    var pending = (*state).throughput * value.f * s.contribution * math_max_number(cos, 0.0f);
+    if s.pdf > 0.0f { pending *= mis_power_heuristic(s.pdf, value.pdf); }
     if math_is_zero3(pending) { return false; }
     (*state).pending = pending;
     (*state).ray = light_shadow_ray(s, surface.point, surface.geometric);
