@@ -137,7 +137,7 @@ impl Backend for WgpuBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, kernels: true, ..Capabilities::default() }
+        Capabilities { path: true, volume: true, kernels: true, ..Capabilities::default() }
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

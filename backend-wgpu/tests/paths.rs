@@ -14,9 +14,6 @@ fn goldens_have_the_reference_bits() {
     let mut wrong = Vec::new();
     for scene in golden::scenes() {
         let compiled = compiled(&scene.scene).unwrap();
-        if compiled.needs.volume() {
-            continue;
-        }
         let job = PathJob { seed: 7, block_length: 4, blocks: 0..BLOCKS, max_depth: u32::MAX };
         let ours = render(&backend, Estimator::Path, &compiled, None, &job).unwrap();
         let theirs = render(&ReferenceBackend, Estimator::Path, &compiled, None, &job).unwrap();
@@ -35,9 +32,6 @@ fn cases_have_the_reference_bits() {
     let mut wrong = Vec::new();
     for case in etendue_conformance::analytic::cases() {
         let compiled = compiled(&case.scene).unwrap();
-        if compiled.needs.volume() {
-            continue;
-        }
         let probes = match &case.measure {
             Measure::Probes(p) | Measure::ProbeMean(p) => Some(p.as_slice()),
             Measure::Pixels | Measure::ImageMean => None,

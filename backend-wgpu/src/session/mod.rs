@@ -3,17 +3,17 @@
 mod features;
 mod path;
 mod scene;
+mod wave;
 
 #[cfg(test)]
 pub(crate) use scene::OFFSETS;
 
-pub(crate) use path::Target;
 pub use path::{PathTask, Step};
 pub(crate) use scene::SceneBuffers;
+pub(crate) use wave::PathStart;
 
 use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
-use crate::unsupported;
 use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes};
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::Intersector;
@@ -78,11 +78,11 @@ impl WgpuSession {
         &self,
         gpu: &Arc<Gpu>,
         job: &PathJob,
-        target: Target,
+        start: PathStart,
         settings: &FilmSettings,
     ) -> Result<PathTask, BackendError> {
         let buffers = self.buffers(gpu)?;
-        PathTask::new(gpu, &self.scene, &buffers, job, target, Film::new(*settings))
+        PathTask::new(gpu, &self.scene, &buffers, job, start, Film::new(*settings))
     }
 
     /// An image as a task that never waits; [`PathTask::step`] drives it, within a host's frame loop say.
@@ -92,7 +92,7 @@ impl WgpuSession {
     pub fn path_image_task(&self, job: &PathJob) -> Result<PathTask, BackendError> {
         let settings = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
-        self.task(&self.source.gpu(), job, Target::Image { width: settings.width }, &settings)
+        self.task(&self.source.gpu(), job, self.image(settings.width), &settings)
     }
 
     /// Probes as a task that never waits.
@@ -105,33 +105,34 @@ impl WgpuSession {
         self.task(&self.source.gpu(), job, self.probes(probes)?, &settings)
     }
 
-    fn probes(&self, probes: &[Probe]) -> Result<Target, BackendError> {
-        let probes = check_probes(probes)?;
-        Ok(Target::Probes(probe_starts(&self.scene, &self.tree, self.surroundings.outside, &probes)))
+    fn image(&self, width: u32) -> PathStart {
+        PathStart::Image { width, inside: self.surroundings.camera }
     }
 
-    /// What paths carry, and what those of this backend do.
+    fn probes(&self, probes: &[Probe]) -> Result<PathStart, BackendError> {
+        let probes = check_probes(probes)?;
+        Ok(PathStart::Probes(probe_starts(&self.scene, &self.tree, self.surroundings.outside, &probes)))
+    }
+
+    /// What paths carry.
     fn check_paths(&self, job: &PathJob) -> Result<(), BackendError> {
         job.check()?;
         let needs = &self.scene.needs;
         if let Some(missing) = needs.beyond_paths() {
             return Err(BackendError::SceneNeeds { method: "path", missing });
         }
-        match needs.beyond_surfaces() {
-            Some(missing) => Err(unsupported(format!("paths through {missing} (the cpu backend does)"))),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     fn run(
         &self,
         job: &PathJob,
-        target: &Target,
+        start: &PathStart,
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
         let (part, stats) = self.source.run(|gpu| {
-            let mut task = self.task(gpu, job, target.clone(), film.settings())?;
+            let mut task = self.task(gpu, job, start.clone(), film.settings())?;
             loop {
                 match task.step(true)? {
                     Step::Working => {}
@@ -174,7 +175,7 @@ impl Session for WgpuSession {
         let expected = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
         same_film(film, &expected)?;
-        self.run(job, &Target::Image { width: expected.width }, control, film)
+        self.run(job, &self.image(expected.width), control, film)
     }
 
     fn path_probes(
