@@ -12,6 +12,12 @@ mod relight;
 mod session;
 mod shaders;
 
+#[cfg(test)]
+#[path = "../tests/adapter/mod.rs"]
+mod adapter;
+#[cfg(test)]
+extern crate self as etendue_wgpu;
+
 pub use gpu::{AdapterName, adapters};
 pub use relight::{BlocksOperator, Operator};
 pub use session::{PathTask, Step, WgpuSession};
@@ -19,7 +25,7 @@ pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;
 
-use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};
+use etendue_core::backend::{Arithmetic, Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::Kernel;
 use etendue_core::radiosity::blocks::BlockOperator;
 use etendue_core::radiosity::relight::Relighter;
@@ -138,6 +144,11 @@ impl Backend for WgpuBackend {
 
     fn capabilities(&self) -> Capabilities {
         Capabilities { path: true, volume: true, kernels: true, ..Capabilities::default() }
+    }
+
+    fn arithmetic(&self) -> Arithmetic {
+        // A device that does not answer promises nothing.
+        self.source.run(|gpu| gpu.arithmetic()).unwrap_or_default()
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

@@ -1,5 +1,6 @@
 //! A device with its queue: pipelines that are made once, buffers, and answers that come back.
 
+mod arithmetic;
 mod buffers;
 mod exact;
 mod pipelines;
@@ -13,9 +14,9 @@ pub use request::{AdapterName, adapters};
 pub(crate) use source::Source;
 
 use crate::shaders::Mutation;
-use etendue_core::backend::BackendError;
+use etendue_core::backend::{Arithmetic, BackendError};
 use pipelines::Pipelines;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 /// A device that computes. What it cannot give is an error, never a panic: everything that is asked of it is asked within error scopes.
 #[derive(Debug)]
@@ -26,6 +27,7 @@ pub(crate) struct Gpu {
     pub(crate) limits: wgpu::Limits,
     pipelines: Mutex<Pipelines>,
     mutations: Vec<Mutation>,
+    arithmetic: OnceLock<Arithmetic>,
 }
 
 impl Gpu {
@@ -38,7 +40,15 @@ impl Gpu {
         let own = device.limits();
         let limits = limits.map_or_else(|| own.clone(), |l| l.or_worse_values_from(&own));
         let name = request::describe(&device.adapter_info());
-        Self { device, queue, name, limits, pipelines: Mutex::default(), mutations }
+        Self {
+            device,
+            queue,
+            name,
+            limits,
+            pipelines: Mutex::default(),
+            mutations,
+            arithmetic: OnceLock::new(),
+        }
     }
 
     pub(crate) fn lost(&self, reason: impl Into<String>) -> BackendError {

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Words that the host reads of each: what was measured, and rays.
 const READ: u64 = 4;
 /// Words that shaders ask of a job.
-const JOB_WORDS: usize = 15;
+const JOB_WORDS: usize = 16;
 /// Words before the lists of a queue.
 const QUEUE_HEAD: u64 = 4;
 /// Invocations of a workgroup, as the shaders have it.
@@ -258,6 +258,7 @@ impl PathTask {
             a,
             b,
             c,
+            0,
         ];
         self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&words));
         self.gpu.queue.write_buffer(&self.queue.raw, 0, bytemuck::cast_slice(&[0_u32; 4]));

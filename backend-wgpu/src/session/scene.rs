@@ -139,6 +139,9 @@ fn arena(scene: &CompiledScene) -> (Vec<u32>, SceneOffsets) {
     (a.0, o)
 }
 
+/// Entries by which stacks differ.
+const STACK_STEP: usize = 16;
+
 /// What jobs on a scene bind.
 #[derive(Debug)]
 pub(crate) struct SceneBuffers {
@@ -229,7 +232,8 @@ impl SceneBuffers {
                 ],
                 arena: gpu.upload("arena", &words)?,
                 texels: [gpu.upload("texels", near)?, gpu.upload("more texels", far)?],
-                stack: (7 * parts.depth.saturating_sub(1) + 8).max(1),
+                // What the depth asks for, in steps: scenes of about the same depth share their pipelines.
+                stack: (7 * parts.depth.saturating_sub(1) + 8).next_multiple_of(STACK_STEP),
             })
         })
     }

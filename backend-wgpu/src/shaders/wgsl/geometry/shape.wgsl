@@ -105,6 +105,8 @@ fn geometry_intersect_shape(ray: PreparedRay, shape: RoundShape, t_max: f32) -> 
         t = geometry_disk(f, d, shape.normal, shape.radius);
     }
     t = t * scale;
+    // A compiler may make `max` of the next line, and a number of NaN.
+    if math_is_nan(t) { return -1.0f; }
     if t < enter { t = enter; }
     if t >= 0.0f && t <= t_max && math_is_finite(t) { return math_positive_zero(t); }
     return -1.0f;

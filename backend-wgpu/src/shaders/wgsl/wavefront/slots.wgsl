@@ -24,6 +24,8 @@ struct PathJob {
     camera_inside0: u32,
     camera_inside1: u32,
     camera_inside2: u32,
+    // For `math_opaque`.
+    zero: u32,
 }
 
 @group(0) @binding(1) var<uniform> job: PathJob;
@@ -108,6 +110,9 @@ fn wave_ask(slot: u32) {
 
 // The slot of an invocation, `slots` where there is none.
 fn wave_slot(id: u32) -> u32 {
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
     let list = atomicLoad(&queue[QUEUE_TURN]);
     if id >= atomicLoad(&queue[list]) { return job.slots; }
     return atomicLoad(&queue[QUEUE_LISTS + list * job.slots + id]);
@@ -117,6 +122,9 @@ fn wave_slot(id: u32) -> u32 {
 struct WaveStart { element: u32, sampler: BlockSampler }
 
 fn wave_start(slot: u32) -> WaveStart {
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
     let unit = job.first_element + slot / job.samples;
     let element = unit % job.elements;
     let block = job.first_block + unit / job.elements;
