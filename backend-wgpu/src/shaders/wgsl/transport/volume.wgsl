@@ -185,10 +185,16 @@ fn volume_meet_interface(
 }
 //: end
 
-// The medium along the path's ray up to `limit`: what it emits, and whether the flight ends in it, at a vertex.
-struct Flown { collided: bool, vertex: Vertex }
+// Whether the path is scattered where it is now, and that place.
+struct Arrival { scatters: bool, vertex: Vertex }
 
-fn volume_fly(state: ptr<function, VolumeState>, medium: Medium, limit: f32) -> Flown {
+fn volume_ends() -> Arrival {
+    var arrival: Arrival;
+    return arrival;
+}
+
+// The medium along the path's ray up to `limit`: what it emits, and whether the flight ends in it.
+fn volume_fly(state: ptr<function, VolumeState>, medium: Medium, limit: f32) -> Arrival {
     let ray = (*state).ray;
     (*state).radiance += (*state).throughput * medium_emitted(medium, ray, (*state).lead, limit);
     let u = sobol_group2((*state).sampler, 1u + VOLUME_GROUPS * (*state).event);
@@ -199,7 +205,7 @@ fn volume_fly(state: ptr<function, VolumeState>, medium: Medium, limit: f32) -> 
         position = ray.origin + ray.direction * (flown.length - (*state).lead);
         (*state).throughput *= medium_sigma_s_at(medium, position);
     }
-    return Flown(flown.collided, vertex_in(position, -ray.direction, medium.g));
+    return Arrival(flown.collided, vertex_in(position, -ray.direction, medium.g));
 }
 
 // A connection has come through to a boundary: on beyond it. False where its way ends there.
@@ -221,8 +227,14 @@ fn volume_connect_on(state: ptr<function, VolumeState>, surface: Surface, gone: 
     return true;
 }
 
-// The ray that was asked has reached a surface, or nothing. Of a path and of a connection alike, so that each part is in the shader once.
+// The ray that was asked has reached a surface, or nothing.
 fn volume_arrive(state: ptr<function, VolumeState>, met: Hit, max_depth: u32) {
+    let arrival = volume_reach(state, met, max_depth);
+    if arrival.scatters && (*state).depth < max_depth { volume_scatter(state, arrival.vertex); }
+}
+
+// All of that but scattering. Of a path and of a connection alike, so that each part is in the shader once.
+fn volume_reach(state: ptr<function, VolumeState>, met: Hit, max_depth: u32) -> Arrival {
     let ray = (*state).ray;
     let connecting = (*state).query == QUERY_CONNECT;
     let missed = met.primitive == TREE_NOTHING;
@@ -239,11 +251,8 @@ fn volume_arrive(state: ptr<function, VolumeState>, met: Hit, max_depth: u32) {
             (*state).carried *= medium_transmittance(medium, ray, (*state).lead, limit);
         } else {
             let flown = volume_fly(state, medium, limit);
-            if math_is_zero3((*state).throughput) { return; }
-            if flown.collided {
-                if (*state).depth < max_depth { volume_scatter(state, flown.vertex); }
-                return;
-            }
+            if math_is_zero3((*state).throughput) { return volume_ends(); }
+            if flown.scatters { return flown; }
         }
     }
     if missed {
@@ -253,11 +262,11 @@ fn volume_arrive(state: ptr<function, VolumeState>, met: Hit, max_depth: u32) {
         } else {
             (*state).radiance += (*state).throughput * light_escaped(ray.direction, (*state).pdf, 1.0f);
         }
-        return;
+        return volume_ends();
     }
     if connecting && (!boundaries_passes(met.primitive) || (*state).crossed >= CROSSINGS_MAX) {
         volume_follow(state);
-        return;
+        return volume_ends();
     }
     let resolved = boundaries_resolve(ray, met, (*state).inside);
     let hit = resolved.hit;
@@ -270,12 +279,12 @@ fn volume_arrive(state: ptr<function, VolumeState>, met: Hit, max_depth: u32) {
         } else {
             volume_follow(state);
         }
-        return;
+        return volume_ends();
     }
-    if !surface.found { return; }
+    if !surface.found { return volume_ends(); }
     if (surface_flags(hit.primitive) & MATERIAL_NULL) != 0u {
         volume_pass(state, surface, hit.t, resolved.inside);
-        return;
+        return volume_ends();
     }
     if back_is_lit(surface) {
         let distance = (*state).length + hit.t;
@@ -285,8 +294,8 @@ fn volume_arrive(state: ptr<function, VolumeState>, met: Hit, max_depth: u32) {
     //: if LOBES
     if surface.interface_.kind != INTERFACE_OPAQUE {
         volume_meet_interface(state, surface, hit.t, resolved.inside, max_depth);
-        return;
+        return volume_ends();
     }
     //: end
-    if (*state).depth < max_depth { volume_scatter(state, vertex_on(surface, resolved.inside)); }
+    return Arrival(true, vertex_on(surface, resolved.inside));
 }
