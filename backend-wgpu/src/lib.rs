@@ -12,7 +12,7 @@ mod relight;
 mod session;
 mod shaders;
 
-pub use gpu::{AdapterName, adapters};
+pub use gpu::{AdapterName, Bc1Texture, adapters};
 pub use relight::{BlocksOperator, Operator};
 pub use session::{PathTask, Step, WgpuSession};
 pub use shaders::Mutation;
@@ -79,7 +79,10 @@ impl WgpuBackend {
     /// # Errors
     /// As [`Self::request`].
     pub async fn request_async(name: Option<&str>, options: Options) -> Result<Self, BackendError> {
-        Ok(Self { source: Arc::new(Source::request(name, options).await?), prepared: relight::Prepared::default() })
+        Ok(Self {
+            source: Arc::new(Source::request(name, options).await?),
+            prepared: relight::Prepared::default(),
+        })
     }
 
     /// Computes on a host's device. Errors are caught in scopes of this backend's own; if the device is lost, so are the
@@ -100,6 +103,14 @@ impl WgpuBackend {
     /// Whether shaders keep their arithmetic as written, so that sums and products have the CPU's bits.
     pub fn is_exact(&self) -> bool {
         self.source.gpu().is_exact()
+    }
+
+    /// How the device decodes textures of BC1. The first call tries it; the answer is kept.
+    ///
+    /// # Errors
+    /// The device's.
+    pub fn bc1_texture(&self) -> Result<Bc1Texture, BackendError> {
+        self.source.run(|gpu| gpu.bc1_texture())
     }
 
     /// The relighter on the device, where the last one that was asked for stays.

@@ -1,11 +1,13 @@
 //! A device with its queue: pipelines that are made once, buffers, and answers that come back.
 
+mod bc1;
 mod buffers;
 mod exact;
 mod pipelines;
 mod request;
 mod source;
 
+pub use bc1::Bc1Texture;
 pub(crate) use buffers::{Buffer, Pending};
 pub(crate) use pipelines::{Binding, Pipeline, PipelineKey};
 use request::request;
@@ -15,7 +17,7 @@ pub(crate) use source::Source;
 use crate::shaders::Mutation;
 use etendue_core::backend::BackendError;
 use pipelines::Pipelines;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 /// A device that computes. What it cannot give is an error, never a panic: everything that is asked of it is asked within error scopes.
 #[derive(Debug)]
@@ -25,6 +27,8 @@ pub(crate) struct Gpu {
     pub(crate) name: String,
     pub(crate) limits: wgpu::Limits,
     pipelines: Mutex<Pipelines>,
+    /// How textures of BC1 decode, once somebody asked.
+    bc1: OnceLock<Bc1Texture>,
     mutations: Vec<Mutation>,
 }
 
@@ -38,7 +42,7 @@ impl Gpu {
         let own = device.limits();
         let limits = limits.map_or_else(|| own.clone(), |l| l.or_worse_values_from(&own));
         let name = request::describe(&device.adapter_info());
-        Self { device, queue, name, limits, pipelines: Mutex::default(), mutations }
+        Self { device, queue, name, limits, pipelines: Mutex::default(), bc1: OnceLock::new(), mutations }
     }
 
     pub(crate) fn lost(&self, reason: impl Into<String>) -> BackendError {
