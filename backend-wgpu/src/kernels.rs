@@ -111,4 +111,6 @@ fn run(
 }
 
 #[cfg(test)]
+mod sums;
+#[cfg(test)]
 mod twins;

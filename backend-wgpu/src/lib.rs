@@ -14,7 +14,7 @@ mod shaders;
 
 pub use gpu::{AdapterName, Bc1Texture, adapters};
 pub use relight::{BlocksOperator, Operator};
-pub use session::{PathTask, Step, WgpuSession};
+pub use session::{DirectTask, PathTask, Step, WgpuSession};
 pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;

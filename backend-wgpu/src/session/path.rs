@@ -2,6 +2,7 @@
 
 use super::features;
 use super::scene::{OFFSETS, SceneBuffers};
+use super::task::{Pace, Step, Task, WORKGROUP, bindings, is_played};
 use crate::gpu::{Binding, Buffer, Gpu, Pending, Pipeline, PipelineKey};
 use crate::shaders::Link;
 use etendue_core::backend::{BackendError, JobStats, PathJob};
@@ -9,7 +10,7 @@ use etendue_core::film::Film;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::ProbeStart;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Words of a state.
 const ROWS: u64 = 33;
@@ -19,30 +20,10 @@ const READ: u64 = 4;
 const QUEUE_HEAD: u64 = 4;
 /// Words of a probe.
 const PROBE_WORDS: usize = 7;
-/// Invocations of a workgroup, as the shaders have it.
-const WORKGROUP: u32 = 64;
 /// Slots of a wave on a device of its own, and on one that the processor plays.
 const SLOTS: [u64; 2] = [1 << 18, 1 << 15];
-/// How long one submission should keep the device: a desktop goes on meanwhile.
-const SUBMISSION: Duration = Duration::from_millis(25);
 /// Steps of one submission at most.
-const STEPS_MAX: u32 = 64;
-
-/// How far a task is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
-    /// The device is at work; come back.
-    Working,
-    /// Something was added: `done` of `total` blocks of samples of elements.
-    Progress {
-        /// Finished.
-        done: u64,
-        /// In all.
-        total: u64,
-    },
-    /// All is in the film.
-    Done,
-}
+const STEPS_MAX: u64 = 64;
 
 /// The pipelines of a wave.
 #[derive(Debug)]
@@ -53,26 +34,19 @@ struct Wave {
     turn: Arc<Pipeline>,
 }
 
-const BINDINGS: [Binding; 10] = [
-    Binding::Uniform,
-    Binding::Uniform,
-    Binding::Read,
-    Binding::Read,
-    Binding::Read,
-    Binding::Read,
-    Binding::Read,
-    Binding::Write,
-    Binding::Write,
-    Binding::Read,
-];
-
 impl Wave {
     fn new(gpu: &Gpu, scene: &CompiledScene, stack: usize) -> Result<Self, BackendError> {
         let features = features::of(&scene.needs);
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::path\n");
         let name = format!("path {} stack {stack}", features.join(" "));
         let link = Link { root: &root, features: &features, mutations: &[] };
-        let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &BINDINGS);
+        let pipeline = |entry| {
+            gpu.pipeline(
+                PipelineKey { name: name.clone(), entry },
+                link,
+                &bindings([Binding::Write, Binding::Write]),
+            )
+        };
         let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
         let key = PipelineKey { name: "turn".into(), entry: "turn" };
         Ok(Self {
@@ -127,7 +101,8 @@ pub struct PathTask {
     /// Where the next part begins, in units and in samples of its first one.
     next: (u64, u32),
     running: Option<(Part, Waiting)>,
-    steps: u32,
+    /// Of steps.
+    pace: Pace,
     elements: u64,
     /// Sums of the unit that is cut by a wave's end, and means of the block that is not yet whole.
     sum: [f64; 3],
@@ -162,22 +137,8 @@ impl PathTask {
             let queue = gpu.room("queue", QUEUE_HEAD + 2 * slots)?;
             let groups = gpu.room("groups", 4)?;
             let uniform = gpu.uniform("job", &[0; 14]);
-            let [near, far] = &buffers.texels;
-            let [blocks, more] = &buffers.blocks;
-            let bound = [
-                &buffers.offsets,
-                &uniform,
-                &buffers.nodes,
-                blocks,
-                more,
-                &buffers.arena,
-                near,
-                &states,
-                &queue,
-                far,
-            ];
             // The three pipelines have one layout in content; each its own object.
-            let group = gpu.bind(&wave.start, &bound);
+            let group = gpu.bind(&wave.start, &buffers.bound(&uniform, [&states, &queue]));
             let turn_group = gpu.bind(&wave.turn, &[&queue, &groups]);
             Ok(Self {
                 gpu: gpu.clone(),
@@ -193,7 +154,7 @@ impl PathTask {
                 turn_group,
                 next: (0, 0),
                 running: None,
-                steps: 4,
+                pace: Pace::new(4, STEPS_MAX),
                 elements,
                 sum: [0.0; 3],
                 means: Vec::new(),
@@ -238,7 +199,7 @@ impl PathTask {
         };
         match waiting {
             Waiting::Queue(_, sent) => {
-                self.pace(sent.elapsed());
+                self.pace.took(self.pace.amount(), sent.elapsed());
                 let asking = words.get(words.get(2).map_or(0, |turn| *turn as usize & 1)).copied();
                 let next = if asking == Some(0) { self.read() } else { self.go_on() };
                 self.running = Some((part, next));
@@ -248,15 +209,6 @@ impl PathTask {
                 self.take(part, &words)?;
                 Ok(Step::Progress { done: self.done(), total: self.total() })
             }
-        }
-    }
-
-    /// More steps where a submission was short, fewer where it was long.
-    fn pace(&mut self, took: Duration) {
-        if took < SUBMISSION / 2 {
-            self.steps = (self.steps * 2).min(STEPS_MAX);
-        } else if took > SUBMISSION * 2 {
-            self.steps = (self.steps / 2).max(1);
         }
     }
 
@@ -335,7 +287,7 @@ impl PathTask {
 
     fn steps_into(&self, mut encoder: wgpu::CommandEncoder) -> Waiting {
         self.pass(&mut encoder, |pass| {
-            for _ in 0..self.steps {
+            for _ in 0..self.pace.amount() {
                 for pipeline in [&self.wave.trace, &self.wave.advance] {
                     pass.set_pipeline(&pipeline.raw);
                     pass.set_bind_group(0, &self.group, &[]);
@@ -393,6 +345,16 @@ impl PathTask {
     }
 }
 
+impl Task for PathTask {
+    fn step(&mut self, wait: bool) -> Result<Step, BackendError> {
+        Self::step(self, wait)
+    }
+
+    fn finish(self) -> (Film, JobStats) {
+        Self::finish(self)
+    }
+}
+
 /// Position, extent and normal of each.
 fn probe_words(list: &[ProbeStart]) -> Vec<u32> {
     let mut words = Vec::with_capacity(PROBE_WORDS * list.len());
@@ -406,11 +368,10 @@ fn probe_words(list: &[ProbeStart]) -> Vec<u32> {
 
 /// Slots of a wave: what the job has use for, and what fits beside `more` words.
 fn slots(gpu: &Gpu, paths: u64, more: u64) -> Result<u64, BackendError> {
-    let software = gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let [own, played] = SLOTS;
     let wanted = paths
         .next_multiple_of(u64::from(WORKGROUP))
-        .clamp(u64::from(WORKGROUP), if software { played } else { own });
+        .clamp(u64::from(WORKGROUP), if is_played(gpu) { played } else { own });
     let words = gpu.binding_bytes() / 4;
     let fit = words.saturating_sub(more) / ROWS / u64::from(WORKGROUP) * u64::from(WORKGROUP);
     let fit = fit.min(gpu.dispatch_items(WORKGROUP));
