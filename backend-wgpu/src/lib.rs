@@ -6,12 +6,14 @@
 //! On Vulkan the shaders keep their arithmetic as written, and where division and square root are correctly rounded, results have
 //! the bits of the CPU. Elsewhere they agree within the tolerances of `etendue-conformance`.
 
+mod display;
 mod gpu;
 mod kernels;
 mod relight;
 mod session;
 mod shaders;
 
+pub use display::Picture;
 pub use gpu::{AdapterName, Bc1Texture, adapters};
 pub use relight::{BlocksOperator, Operator};
 pub use session::{DirectTask, PathTask, Step, WgpuSession};
