@@ -106,3 +106,30 @@ fn absent(backend: &'static str) -> BackendError {
         what: "anything: it is not compiled in (a feature of that name)".into(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_compiled_in_opens_and_the_rest_says_so() {
+        for (kind, there) in
+            [(BackendKind::Cpu, cfg!(feature = "cpu")), (BackendKind::Wgpu, cfg!(feature = "wgpu"))]
+        {
+            assert_eq!(kind.name().parse(), Ok(kind));
+            match open_backend(kind, Some(1)) {
+                Ok(backend) => {
+                    assert!(there);
+                    assert_eq!(backend.info().name, kind.name());
+                }
+                // A machine may have no adapter.
+                Err(BackendError::NoAdapter { wanted }) => {
+                    assert!(there && kind == BackendKind::Wgpu, "{kind}: {wanted}");
+                    assert!(std::env::var_os("ETENDUE_REQUIRE_WGPU").is_none(), "{wanted}");
+                }
+                Err(BackendError::Unsupported { backend, .. }) => assert!(!there && backend == kind.name()),
+                Err(e) => panic!("{kind}: {e}"),
+            }
+        }
+    }
+}

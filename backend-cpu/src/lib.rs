@@ -16,7 +16,7 @@ mod session;
 mod simd;
 mod stripes;
 
-use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};
+use etendue_core::backend::{Arithmetic, Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::{self, Kernel};
 use etendue_core::scene::CompiledScene;
 use rayon::prelude::*;
@@ -89,6 +89,10 @@ impl Backend for CpuBackend {
 
     fn capabilities(&self) -> Capabilities {
         Capabilities { path: true, bidirectional: true, volume: true, kernels: true }
+    }
+
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::Ieee
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

@@ -12,7 +12,7 @@ const SLICE: u64 = 1 << 16;
 
 /// Kernels have all of the code: no scene says what it does without.
 pub(crate) const FEATURES: &[&str] =
-    &["LOBES", "TEXTURES", "SHADING", "SHAPES", "ENVIRONMENT_MAP", "GRIDS", "COLOURED_GRIDS"];
+    &["LOBES", "TEXTURES", "SHADING", "SHAPES", "ENVIRONMENT_MAP", "VOLUME", "GRIDS", "COLOURED_GRIDS"];
 
 /// The file that has a kernel's adaptor: core's `evaluate` in WGSL.
 fn adaptor(kernel: Kernel) -> String {
@@ -38,13 +38,17 @@ pub(crate) fn root(kernel: Kernel) -> String {
 fn root_of(module: &str, entry: &str, [item, out]: [usize; 2]) -> String {
     format!(
         "//: use kernel::words
+//: use math::bits
 //: use {module}
-struct Batch {{ count: u32, constants: u32, pad0: u32, pad1: u32 }}
+struct Batch {{ count: u32, constants: u32, zero: u32, pad: u32 }}
 @group(0) @binding(0) var<uniform> batch: Batch;
 @compute @workgroup_size({WORKGROUP})
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
     if id.x >= batch.count {{ return; }}
     constant_count = batch.constants;
+//: if REORDERED
+    math_opaque = batch.zero;
+//: end
     start_item(id.x * {item}u, id.x * {out}u, {out}u);
     {entry}();
 }}

@@ -13,6 +13,12 @@ mod relight;
 mod session;
 mod shaders;
 
+#[cfg(test)]
+#[path = "../tests/adapter/mod.rs"]
+mod adapter;
+#[cfg(test)]
+extern crate self as etendue_wgpu;
+
 pub use display::Picture;
 pub use gpu::{AdapterName, Bc1Texture, adapters};
 pub use relight::{BlocksOperator, Operator};
@@ -21,7 +27,7 @@ pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;
 
-use etendue_core::backend::{Backend, BackendError, BackendInfo, Capabilities, Session};
+use etendue_core::backend::{Arithmetic, Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::Kernel;
 use etendue_core::radiosity::blocks::BlockOperator;
 use etendue_core::radiosity::relight::Relighter;
@@ -147,7 +153,12 @@ impl Backend for WgpuBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, kernels: true, ..Capabilities::default() }
+        Capabilities { path: true, volume: true, kernels: true, ..Capabilities::default() }
+    }
+
+    fn arithmetic(&self) -> Arithmetic {
+        // A device that does not answer promises nothing.
+        self.source.run(|gpu| gpu.arithmetic()).unwrap_or_default()
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

@@ -1,10 +1,15 @@
 //! How the devices of this machine decode textures of BC1.
 
+mod adapter;
+
 use etendue_core::codec::bc1::Rule;
 use etendue_wgpu::{Bc1Texture, WgpuBackend, adapters};
 
 #[test]
 fn each_adapter_has_a_known_answer() {
+    if adapter::backend().is_none() {
+        return;
+    }
     for adapter in adapters() {
         let Ok(backend) = WgpuBackend::request_named(&adapter.to_string()) else { continue };
         let found = backend.bc1_texture().unwrap();
@@ -25,7 +30,9 @@ fn a_device_without_the_feature_has_none() {
     let instance = etendue_wgpu::wgpu::Instance::new(
         etendue_wgpu::wgpu::InstanceDescriptor::new_without_display_handle(),
     );
-    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).unwrap();
+    let Ok(adapter) = pollster::block_on(instance.request_adapter(&Default::default())) else {
+        return adapter::skip("no adapter");
+    };
     let (device, queue) = pollster::block_on(adapter.request_device(&Default::default())).unwrap();
     let backend = WgpuBackend::from_device(device, queue);
     assert_eq!(backend.bc1_texture().unwrap(), Bc1Texture::Missing);

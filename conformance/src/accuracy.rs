@@ -2,18 +2,44 @@
 
 use crate::about::about;
 use crate::kernels::{AccuracyRow, measure};
-use etendue_core::backend::{Backend, BackendError, BackendInfo};
+use etendue_core::backend::{Arithmetic, Backend, BackendError, BackendInfo};
 use etendue_core::kernel::Kernel;
 
 /// Random items per kernel for the table.
 pub const TABLE_COUNT: usize = crate::kernels::FULL_COUNT;
 
-/// The accuracy of every kernel, for [`markdown`].
+/// The accuracy of a backend's kernels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AccuracyReport {
+    /// Whose they are.
+    pub info: BackendInfo,
+    /// How its operations round.
+    pub arithmetic: Arithmetic,
+    /// One for each kernel that it has.
+    pub rows: Vec<AccuracyRow>,
+    /// Names of those that it has not.
+    pub missing: Vec<&'static str>,
+}
+
+/// Measures every kernel of a backend with so many random items ([`TABLE_COUNT`]), for [`markdown`].
 ///
 /// # Errors
-/// The backend's own.
-pub fn accuracy_table(backend: &dyn Backend) -> Result<Vec<AccuracyRow>, BackendError> {
-    Kernel::ALL.iter().map(|k| measure(backend, *k, TABLE_COUNT)).collect()
+/// The backend's own; a kernel that it does not support is none.
+pub fn accuracy_report(backend: &dyn Backend, count: usize) -> Result<AccuracyReport, BackendError> {
+    let mut report = AccuracyReport {
+        info: backend.info(),
+        arithmetic: backend.arithmetic(),
+        rows: Vec::new(),
+        missing: Vec::new(),
+    };
+    for kernel in Kernel::ALL {
+        match measure(backend, *kernel, count) {
+            Ok(row) => report.rows.push(row),
+            Err(BackendError::Unsupported { .. }) => report.missing.push(kernel.name()),
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(report)
 }
 
 /// Three significant digits, without trailing noise.
@@ -29,46 +55,89 @@ fn short(x: f64) -> String {
     }
 }
 
-/// The rows as a Markdown file: the same text for the same rows, no timings.
-pub fn markdown(info: &BackendInfo, rows: &[AccuracyRow]) -> String {
-    let mut out = String::from("# Accuracy\n\n");
-    out.push_str(
-        "Written by `etendue conformance --accuracy`; CI measures it again and fails when a number has drifted. Timings \
-         are in [docs/error-against-speed.md](docs/error-against-speed.md).\n\n\
-         Each kernel is compared with an independent second implementation (the truth: f64, exact integers or a closed \
-         form), on hard inputs and seeded random ones, and with the scalar reference in core (the peer: the only \
-         difference a right backend may have is its adapter's rounding). `core::math` has a table of its own, from dense \
-         sweeps over all arguments: `etendue_core::math::ACCURACY`.\n\n\
-         Unit `ulp`: f32 spacing at the truth; `u`: 2^-24 of the scale that the input's rounding sets (1 for \
-         directions); `bits`: nothing may differ. Undecided: items whose answer hangs on a comparison within rounding; \
-         they are held to the peer alone.\n\n",
-    );
-    out.push_str(&format!("## Kernels of `{}`\n\n", info.name));
-    out.push_str(
-        "| kernel | worst | mean | unit | allowed | worst to peer | mean to peer | equal bits | cases | undecided | \
-         domain | source | why not zero |\n",
-    );
-    out.push_str("|---|---:|---:|---|---:|---:|---:|---:|---:|---:|---|---|---|\n");
-    for r in rows {
-        let (t, a) = (&r.tolerance, about(r.kernel));
+const HEAD: &str = "# Accuracy
+
+Written by `etendue conformance --accuracy`; CI measures it again and fails when a number has drifted. Timings \
+are in [docs/error-against-speed.md](docs/error-against-speed.md).
+
+Each kernel is compared with an independent second implementation (the truth: f64, exact integers or a closed \
+form), on hard inputs and seeded random ones, and with the scalar reference in core (the peer: the only \
+difference a right backend may have is its adapter's rounding). `core::math` has a table of its own, from dense \
+sweeps over all arguments: `etendue_core::math::ACCURACY`.
+
+Unit `ulp`: f32 spacing at the truth; `u`: 2^-24 of the scale that the input's rounding sets (1 for \
+directions); `bits`: nothing may differ. Undecided: items whose answer hangs on a comparison within rounding; \
+they are held to the peer alone. Flushed: items in which an adapter without subnormal numbers lost one; they are held to an absolute \
+bound, or to nothing where such a number was among their inputs.
+
+";
+
+/// Reports as a Markdown file: the same text for the same rows, no timings.
+pub fn markdown(reports: &[AccuracyReport]) -> String {
+    let mut out = String::from(HEAD);
+    for (i, report) in reports.iter().enumerate() {
+        if i > 0 {
+            out.push('\n');
+        }
+        section(report, &mut out);
+    }
+    out
+}
+
+fn section(report: &AccuracyReport, out: &mut String) {
+    let name = report.info.name;
+    // The CPU's numbers are the same on every machine, with any number of threads: its heading is too.
+    if report.arithmetic == Arithmetic::Ieee && name != "wgpu" {
+        out.push_str(&format!("## Kernels of `{name}`\n\n"));
+    } else {
+        let kind = report.arithmetic.describe();
         out.push_str(&format!(
-            "| `{}` | {} | {} | {} | {} | {} | {} | {:.4} % | {} | {} | {} | {} | {} |\n",
+            "## Kernels of `{name}` on {}\n\nArithmetic: {kind}.\n\n",
+            report.info.adapter
+        ));
+    }
+    out.push_str(
+        "| kernel | worst | mean | unit | allowed | worst to peer | mean to peer | allowed to peer | equal bits | cases | \
+         undecided | flushed | domain | source | why not zero |\n",
+    );
+    out.push_str("|---|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---|---|---|\n");
+    for r in &report.rows {
+        let a = about(r.kernel);
+        out.push_str(&format!(
+            "| `{}` | {} | {} | {} | {} | {} | {} | {} | {:.4} % | {} | {} | {} | {} | {} | {} |\n",
             r.kernel.name(),
             short(r.worst),
             short(r.mean),
-            t.unit,
-            short(t.truth.limit),
+            r.tolerance.unit,
+            short(r.truth_limit()),
             short(r.peer_worst),
             short(r.peer_mean),
+            short(r.peer_limit()),
             100.0 * r.equal_share(),
             r.cases,
             r.undecided,
+            r.flushed,
             a.domain,
             a.source,
-            t.truth.reason,
+            reasons(r),
         ));
     }
-    out
+    if !report.missing.is_empty() {
+        out.push_str(&format!("\nNot there: {}.\n", report.missing.join(", ")));
+    }
+}
+
+/// Why the bounds that held are not zero.
+fn reasons(row: &AccuracyRow) -> String {
+    let t = &row.tolerance;
+    let mut list = vec![t.truth.reason];
+    if row.peer_limit() > 0.0 {
+        list.push(t.peer.reason);
+    }
+    if row.flushed > 0 {
+        list.push(t.flushed.reason);
+    }
+    list.join("; ")
 }
 
 /// What differs between two texts of [`markdown`], line by line; empty where nothing does.

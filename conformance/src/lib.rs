@@ -25,6 +25,6 @@ pub mod tolerance;
 pub mod trios;
 pub mod truth;
 
-pub use accuracy::{accuracy_table, drift, markdown};
+pub use accuracy::{AccuracyReport, TABLE_COUNT, accuracy_report, drift, markdown};
 pub use kernels::AccuracyRow;
-pub use suite::{CheckResult, Level, Summary, run};
+pub use suite::{CheckResult, Group, Level, Summary, run, run_groups};

@@ -1,8 +1,8 @@
 //! The reference backend: core alone, one thread, nothing clever. It makes the goldens; all others are compared to it.
 
 use etendue_core::backend::{
-    self, Backend, BackendError, BackendInfo, BidirectionalJob, Capabilities, Control, JobStats, PathJob,
-    Probe, Session,
+    self, Arithmetic, Backend, BackendError, BackendInfo, BidirectionalJob, Capabilities, Control, JobStats,
+    PathJob, Probe, Session,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::Bvh2;
@@ -26,6 +26,10 @@ impl Backend for ReferenceBackend {
 
     fn capabilities(&self) -> Capabilities {
         Capabilities { path: true, bidirectional: true, volume: true, kernels: true }
+    }
+
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::Ieee
     }
 
     fn open(&self, scene: Arc<CompiledScene>) -> Result<Box<dyn Session>, BackendError> {

@@ -3,7 +3,7 @@
 use crate::analytic::{self, Estimator, compiled};
 use crate::golden;
 use crate::invariance;
-use crate::kernels::{self, expects_equal_bits};
+use crate::kernels;
 use crate::trios;
 use etendue_core::backend::{Backend, BackendError};
 use etendue_core::kernel::Kernel;
@@ -93,64 +93,114 @@ impl Reporter<'_> {
     }
 }
 
+/// A part of the suite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Group {
+    /// Each kernel against its truth and the reference.
+    Kernels,
+    /// Properties of sampling that know no truth.
+    Trios,
+    /// Scenes with exact answers.
+    Analytic,
+    /// Images against the reference's.
+    Goldens,
+    /// What must not change.
+    Invariance,
+}
+
+impl Group {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Kernels, Self::Trios, Self::Analytic, Self::Goldens, Self::Invariance];
+}
+
 /// Runs the suite on a backend; `report` hears of each check as it ends.
 ///
 /// What the backend says it cannot do ([`Backend::capabilities`]) is skipped, visibly; what it says it can do and
 /// refuses is a failure.
 pub fn run(backend: &dyn Backend, level: Level, report: &mut dyn FnMut(&CheckResult)) -> Summary {
+    run_groups(backend, level, &Group::ALL, report)
+}
+
+/// The same for parts of the suite.
+pub fn run_groups(
+    backend: &dyn Backend,
+    level: Level,
+    groups: &[Group],
+    report: &mut dyn FnMut(&CheckResult),
+) -> Summary {
     let begin = Instant::now();
     let mut r = Reporter { report, summary: Summary::default() };
-    let capabilities = backend.capabilities();
-    if capabilities.kernels {
-        check_kernels(backend, level, &mut r);
-        let count = if level == Level::Quick { 1 << 15 } else { 1 << 19 };
-        let start = Instant::now();
-        r.group("trio", start, trios::check(backend, count));
-    } else {
-        r.skip("kernel", "the backend evaluates no kernels");
-        r.skip("trio", "the backend evaluates no kernels");
-    }
-    if capabilities.path {
-        check_scenes(backend, Estimator::Path, level, &mut r);
-        let start = Instant::now();
-        r.group("invariance", start, invariance::check(backend, level));
-    } else {
-        for group in ["analytic", "invariance", "golden"] {
-            r.skip(group, "the backend traces no paths");
-        }
-    }
-    if capabilities.bidirectional {
-        check_scenes(backend, Estimator::Bidirectional, level, &mut r);
-    } else {
-        r.skip("bidirectional", "the backend does not trace paths from both ends");
+    for group in groups {
+        check_group(backend, level, *group, &mut r);
     }
     let mut summary = r.summary;
     summary.seconds = begin.elapsed().as_secs_f64();
     summary
 }
 
-/// Every scene with an exact answer, and every golden.
-fn check_scenes(backend: &dyn Backend, estimator: Estimator, level: Level, r: &mut Reporter<'_>) {
-    let prefix = estimator.prefix();
-    let beyond = |scene: &SceneDesc| {
-        let volume = compiled(scene).is_ok_and(|scene| scene.needs.volume());
-        volume && !backend.capabilities().volume
-    };
-    const WHY: &str = "the backend does not carry light through media and boundaries";
+fn check_group(backend: &dyn Backend, level: Level, group: Group, r: &mut Reporter<'_>) {
+    const NO_KERNELS: &str = "the backend evaluates no kernels";
+    let capabilities = backend.capabilities();
+    match group {
+        Group::Kernels if !capabilities.kernels => r.skip("kernel", NO_KERNELS),
+        Group::Kernels => check_kernels(backend, level, r),
+        Group::Trios if !capabilities.kernels => r.skip("trio", NO_KERNELS),
+        Group::Trios => {
+            let count = if level == Level::Quick { 1 << 15 } else { 1 << 19 };
+            let start = Instant::now();
+            r.group("trio", start, trios::check(backend, count));
+        }
+        Group::Analytic | Group::Goldens => {
+            let (name, check): (_, SceneCheck) = match group {
+                Group::Analytic => ("analytic", check_cases),
+                _ => ("golden", check_goldens),
+            };
+            for (estimator, can) in
+                [(Estimator::Path, capabilities.path), (Estimator::Bidirectional, capabilities.bidirectional)]
+            {
+                if can {
+                    check(backend, estimator, level, r);
+                } else {
+                    let name = format!("{}{name}", estimator.prefix());
+                    r.skip(&name, "the backend does not trace such paths");
+                }
+            }
+        }
+        Group::Invariance if !capabilities.path => r.skip("invariance", "the backend traces no paths"),
+        Group::Invariance => {
+            let start = Instant::now();
+            r.group("invariance", start, invariance::check(backend, level));
+        }
+    }
+}
+
+type SceneCheck = fn(&dyn Backend, Estimator, Level, &mut Reporter<'_>);
+
+/// Why a scene is beyond a backend.
+fn beyond(backend: &dyn Backend, scene: &SceneDesc) -> Option<&'static str> {
+    let volume = compiled(scene).is_ok_and(|scene| scene.needs.volume());
+    let out = volume && !backend.capabilities().volume;
+    out.then_some("the backend does not carry light through media and boundaries")
+}
+
+fn check_cases(backend: &dyn Backend, estimator: Estimator, level: Level, r: &mut Reporter<'_>) {
     for case in analytic::cases() {
-        let name = format!("{prefix}analytic/{}", case.name);
-        if beyond(&case.scene) {
-            r.skip(&name, WHY);
+        let name = format!("{}analytic/{}", estimator.prefix(), case.name);
+        if let Some(why) = beyond(backend, &case.scene) {
+            r.skip(&name, why);
             continue;
         }
         let start = Instant::now();
         let found = analytic::check(backend, estimator, &case, level);
         r.group(&name, start, found);
     }
+}
+
+fn check_goldens(backend: &dyn Backend, estimator: Estimator, level: Level, r: &mut Reporter<'_>) {
     for scene in golden::scenes() {
-        let name = format!("{prefix}golden/{}", scene.name);
-        if beyond(&scene.scene) {
-            r.skip(&name, WHY);
+        let name = format!("{}golden/{}", estimator.prefix(), scene.name);
+        if let Some(why) = beyond(backend, &scene.scene) {
+            r.skip(&name, why);
             continue;
         }
         let start = Instant::now();
@@ -160,23 +210,24 @@ fn check_scenes(backend: &dyn Backend, estimator: Estimator, level: Level, r: &m
 }
 
 fn check_kernels(backend: &dyn Backend, level: Level, r: &mut Reporter<'_>) {
-    let exact = expects_equal_bits(&backend.info());
     let count = if level == Level::Quick { kernels::QUICK_COUNT } else { kernels::FULL_COUNT };
     for kernel in Kernel::ALL {
         let start = Instant::now();
         let name = format!("kernel/{}", kernel.name());
         match kernels::measure(backend, *kernel, count) {
             Ok(row) => {
-                let t = &row.tolerance;
                 let detail = format!(
-                    "worst {:.3} {} (allowed {}), {:.3} % equal bits, {} cases",
+                    "worst {:.3} {} (allowed {}), {:.3} to the reference (allowed {}), {:.3} % equal bits, {} cases, {} flushed",
                     row.worst,
-                    t.unit,
-                    t.truth.limit,
+                    row.tolerance.unit,
+                    row.truth_limit(),
+                    row.peer_worst,
+                    row.peer_limit(),
                     100.0 * row.equal_share(),
-                    row.cases
+                    row.cases,
+                    row.flushed
                 );
-                r.one(name, row.passes(exact), detail, start.elapsed().as_secs_f64());
+                r.one(name, row.passes(), detail, start.elapsed().as_secs_f64());
             }
             Err(e) => r.one(name, false, format!("the backend failed: {e}"), start.elapsed().as_secs_f64()),
         }

@@ -20,6 +20,8 @@ pub struct Tolerance {
     pub truth: Bound,
     /// Against the scalar reference, where the adapter rounds otherwise than IEEE 754 (where it does not, it is zero).
     pub peer: Bound,
+    /// Against the scalar reference, where the adapter has no subnormal numbers: in the unit of the result, absolute.
+    pub flushed: Bound,
 }
 
 impl Tolerance {
@@ -33,21 +35,24 @@ const INTEGER: &str = "integer stage: exact";
 const WGSL: &str =
     "WGSL lets division and sqrt err by 2.5 ulp and products fuse; not yet measured on hardware";
 
+/// What is lost where a result below the least normal number becomes zero.
+const FLUSHED: Bound = Bound { limit: f32::MIN_POSITIVE as f64, reason: "a result below 2^-126 is 0" };
+
 const fn exact() -> Tolerance {
     let bound = Bound { limit: 0.0, reason: INTEGER };
-    Tolerance { unit: "bits", truth: bound, peer: bound }
+    Tolerance { unit: "bits", truth: bound, peer: bound, flushed: FLUSHED }
 }
 
 /// Decisions on floats: exact wherever the truth says that they hang on no rounding.
 const fn exact_choice(reason: &'static str) -> Tolerance {
     let bound = Bound { limit: 0.0, reason };
-    Tolerance { unit: "bits", truth: bound, peer: Bound { limit: 0.0, reason } }
+    Tolerance { unit: "bits", truth: bound, peer: bound, flushed: FLUSHED }
 }
 
 const fn float(unit: &'static str, limit: f64, reason: &'static str) -> Tolerance {
     // Each of a kernel's few roundings may become 2.5 on hardware, on both sides.
     let peer = Bound { limit: 8.0 + 5.0 * limit, reason: WGSL };
-    Tolerance { unit, truth: Bound { limit, reason }, peer }
+    Tolerance { unit, truth: Bound { limit, reason }, peer, flushed: FLUSHED }
 }
 
 /// What `core::math::ACCURACY` states, the largest of its rows for the function (`sin_cos` has one per result).
@@ -61,8 +66,29 @@ fn polynomial(name: &str) -> Tolerance {
     float("ulp", limit, "polynomial in f32, as core::math::ACCURACY states")
 }
 
+/// Kernels in which something below 2^-126 is multiplied by what is large. What their sums lose is far below all that counts.
+fn flushed(kernel: Kernel) -> Bound {
+    use Kernel as K;
+    let least = FLUSHED.limit;
+    match kernel {
+        K::PdfPowerCosine | K::EvalPhong | K::PdfPhong | K::EvalLobes | K::PdfLobes => Bound {
+            limit: least * 2048.0,
+            reason: "a power of the cosine below 2^-126 is 0, times (n + 2) / (2 pi) for exponents to 1e4",
+        },
+        K::FacetsDensity | K::PdfVisible => Bound {
+            limit: least * 1_048_576.0,
+            reason: "an exponential below 2^-126 is 0, times 1 / (pi alpha^2 cos^4)",
+        },
+        _ => FLUSHED,
+    }
+}
+
 /// The entry of a kernel.
 pub fn tolerance(kernel: Kernel) -> Tolerance {
+    Tolerance { flushed: flushed(kernel), ..rounding(kernel) }
+}
+
+fn rounding(kernel: Kernel) -> Tolerance {
     use Kernel as K;
     const ROUNDING: &str = "roundings of the formula";
     const ANGLE: &str = "sine and cosine of the azimuth, square root of the height";
@@ -199,6 +225,7 @@ pub fn tolerance(kernel: Kernel) -> Tolerance {
             unit: "bits",
             truth: Bound { limit: 0.0, reason: "" },
             peer: Bound { limit: 0.0, reason: "" },
+            flushed: FLUSHED,
         },
     }
 }

@@ -3,9 +3,10 @@
 
 use etendue_conformance::analytic::{Estimator, cases, compiled, render};
 use etendue_conformance::golden;
+use etendue_conformance::kernels::measure;
 use etendue_conformance::reference::ReferenceBackend;
 use etendue_conformance::scenes::cases::Measure;
-use etendue_conformance::{accuracy_table, markdown};
+use etendue_conformance::{AccuracyReport, TABLE_COUNT, accuracy_report, markdown};
 use etendue_core::backend::{Backend, NoControl, PathJob, Session, image_film_settings};
 use etendue_core::film::Film;
 use etendue_core::transport::TransportCode;
@@ -61,12 +62,13 @@ fn code_that_a_scene_does_not_need_changes_no_bit() {
 fn the_accuracy_table_is_the_same_text_each_time() {
     let kernels: Vec<_> = ["math::ln", "discrete::pick_in", "geometry::intersect_triangle"].into();
     let text = || {
-        let rows: Vec<_> = etendue_core::kernel::Kernel::ALL
+        let rows = etendue_core::kernel::Kernel::ALL
             .iter()
             .filter(|k| kernels.contains(&k.name()))
-            .map(|k| etendue_conformance::kernels::measure(&cpu(), *k, 500).expect("all kernels"))
+            .map(|k| measure(&cpu(), *k, 500).expect("all kernels"))
             .collect();
-        markdown(&cpu().info(), &rows)
+        let (info, arithmetic) = (cpu().info(), cpu().arithmetic());
+        markdown(&[AccuracyReport { info, arithmetic, rows, missing: Vec::new() }])
     };
     assert_eq!(text(), text());
     assert_eq!(text().lines().filter(|l| l.starts_with("| `")).count(), 3);
@@ -75,5 +77,5 @@ fn the_accuracy_table_is_the_same_text_each_time() {
 #[test]
 #[ignore = "prints ACCURACY.md's table: cargo test -p etendue-conformance --test cpu -- --ignored --nocapture print_accuracy"]
 fn print_accuracy() {
-    println!("{}", markdown(&cpu().info(), &accuracy_table(&cpu()).expect("all kernels")));
+    print!("{}", markdown(&[accuracy_report(&cpu(), TABLE_COUNT).expect("all kernels")]));
 }

@@ -2,22 +2,20 @@
 
 use etendue_conformance::about::about;
 use etendue_conformance::inputs::inputs;
-use etendue_conformance::kernels::{FULL_COUNT, QUICK_COUNT, measure};
-use etendue_conformance::markdown;
+use etendue_conformance::kernels::{FULL_COUNT, QUICK_COUNT};
 use etendue_conformance::reference::ReferenceBackend;
 use etendue_conformance::tolerance::tolerance;
-use etendue_core::backend::Backend;
+use etendue_conformance::{accuracy_report, markdown};
 use etendue_core::kernel::Kernel;
 
 fn hold(count: usize) {
-    let rows: Vec<_> = Kernel::ALL
+    let report = accuracy_report(&ReferenceBackend, count).expect("the reference answers");
+    assert!(report.missing.is_empty(), "the reference has all");
+    println!("{}", markdown(std::slice::from_ref(&report)));
+    let wrong: Vec<String> = report
+        .rows
         .iter()
-        .map(|k| measure(&ReferenceBackend, *k, count).expect("the reference has all"))
-        .collect();
-    println!("{}", markdown(&ReferenceBackend.info(), &rows));
-    let wrong: Vec<String> = rows
-        .iter()
-        .filter(|r| !r.passes(true))
+        .filter(|r| !r.passes())
         .map(|r| {
             let at = r.at.as_ref().map(|b| {
                 let f = |w: &[u32]| {

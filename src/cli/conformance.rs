@@ -3,7 +3,9 @@
 use super::args::{BackendArgs, TalkArgs};
 use super::error::{CliError, NO};
 use crate::io::{LoadError, Problem};
-use etendue_conformance::{CheckResult, Level, accuracy_table, drift, markdown, run as run_suite};
+use etendue_conformance::{
+    CheckResult, Level, TABLE_COUNT, accuracy_report, drift, markdown, run as run_suite,
+};
 use etendue_core::backend::Backend;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -32,8 +34,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
     let backend = args.backend.open()?;
     let info = backend.info();
     if args.accuracy {
-        let rows = accuracy_table(&*backend)?;
-        print!("{}", markdown(&info, &rows));
+        print!("{}", markdown(&[accuracy_report(&*backend, TABLE_COUNT)?]));
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(file) = &args.drift {
@@ -86,7 +87,7 @@ pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
 fn check_drift(file: &Path, backend: &dyn Backend) -> Result<ExitCode, CliError> {
     let read = |e| LoadError::new(file, Problem::Read(e));
     let stated = std::fs::read_to_string(file).map_err(read)?;
-    let found = drift(&stated, &markdown(&backend.info(), &accuracy_table(backend)?));
+    let found = drift(&stated, &markdown(&[accuracy_report(backend, TABLE_COUNT)?]));
     for line in &found {
         println!("drift: {line}");
     }

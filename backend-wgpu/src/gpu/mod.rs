@@ -1,5 +1,6 @@
 //! A device with its queue: pipelines that are made once, buffers, and answers that come back.
 
+mod arithmetic;
 mod bc1;
 mod buffers;
 mod exact;
@@ -15,7 +16,7 @@ pub use request::{AdapterName, adapters};
 pub(crate) use source::Source;
 
 use crate::shaders::Mutation;
-use etendue_core::backend::BackendError;
+use etendue_core::backend::{Arithmetic, BackendError};
 use pipelines::Pipelines;
 use std::sync::{Mutex, OnceLock};
 
@@ -30,6 +31,7 @@ pub(crate) struct Gpu {
     /// How textures of BC1 decode, once somebody asked.
     bc1: OnceLock<Bc1Texture>,
     mutations: Vec<Mutation>,
+    arithmetic: OnceLock<Arithmetic>,
 }
 
 impl Gpu {
@@ -42,7 +44,16 @@ impl Gpu {
         let own = device.limits();
         let limits = limits.map_or_else(|| own.clone(), |l| l.or_worse_values_from(&own));
         let name = request::describe(&device.adapter_info());
-        Self { device, queue, name, limits, pipelines: Mutex::default(), bc1: OnceLock::new(), mutations }
+        Self {
+            device,
+            queue,
+            name,
+            limits,
+            pipelines: Mutex::default(),
+            bc1: OnceLock::new(),
+            mutations,
+            arithmetic: OnceLock::new(),
+        }
     }
 
     pub(crate) fn lost(&self, reason: impl Into<String>) -> BackendError {

@@ -1,7 +1,7 @@
 //! Pipelines, each made once for a device.
 
 use super::{Buffer, Gpu};
-use crate::shaders::Link;
+use crate::shaders::{Link, REORDERED};
 use etendue_core::backend::BackendError;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -70,7 +70,11 @@ impl Gpu {
         let module = match pipelines.modules.get(&key.name) {
             Some(module) => module.clone(),
             None => {
-                let text = Link { mutations: &self.mutations, ..link }
+                let mut features = link.features.to_vec();
+                if !self.is_exact() {
+                    features.push(REORDERED);
+                }
+                let text = Link { features: &features, mutations: &self.mutations, ..link }
                     .text()
                     .map_err(|e| self.refused(e.to_string()))?;
                 let module = self.scoped(|| self.module(&key.name, text))?;

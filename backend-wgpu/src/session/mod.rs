@@ -6,15 +6,16 @@ mod features;
 mod path;
 mod scene;
 mod task;
+mod wave;
 
 #[cfg(test)]
 pub(crate) use scene::OFFSETS;
 
 pub use direct::DirectTask;
 pub use path::PathTask;
-pub(crate) use path::Target;
 pub(crate) use scene::SceneBuffers;
 pub use task::Step;
+pub(crate) use wave::PathStart;
 
 use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
@@ -22,12 +23,16 @@ use crate::unsupported;
 use elements::KeptElements;
 use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes};
 use etendue_core::film::{Film, FilmError, FilmSettings};
+use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
+use etendue_core::radiosity::patches::PatchMap;
 use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
+use etendue_core::radiosity::transfer::{self, PatchGrid, Transfer};
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::volume::{Surroundings, probe_starts};
 use etendue_tree::WideTree;
+use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use task::Task as _;
@@ -84,11 +89,11 @@ impl WgpuSession {
         &self,
         gpu: &Arc<Gpu>,
         job: &PathJob,
-        target: Target,
+        start: PathStart,
         settings: &FilmSettings,
     ) -> Result<PathTask, BackendError> {
         let buffers = self.buffers(gpu)?;
-        PathTask::new(gpu, &self.scene, &buffers, job, target, Film::new(*settings))
+        PathTask::new(gpu, &self.scene, &buffers, job, start, Film::new(*settings))
     }
 
     /// An image as a task that never waits; [`PathTask::step`] drives it, within a host's frame loop say.
@@ -98,7 +103,7 @@ impl WgpuSession {
     pub fn path_image_task(&self, job: &PathJob) -> Result<PathTask, BackendError> {
         let settings = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
-        self.task(&self.source.gpu(), job, Target::Image { width: settings.width }, &settings)
+        self.task(&self.source.gpu(), job, self.image(settings.width), &settings)
     }
 
     /// Probes as a task that never waits.
@@ -147,33 +152,34 @@ impl WgpuSession {
         }
     }
 
-    fn probes(&self, probes: &[Probe]) -> Result<Target, BackendError> {
-        let probes = check_probes(probes)?;
-        Ok(Target::Probes(probe_starts(&self.scene, &self.tree, self.surroundings.outside, &probes)))
+    fn image(&self, width: u32) -> PathStart {
+        PathStart::Image { width, inside: self.surroundings.camera }
     }
 
-    /// What paths carry, and what those of this backend do.
+    fn probes(&self, probes: &[Probe]) -> Result<PathStart, BackendError> {
+        let probes = check_probes(probes)?;
+        Ok(PathStart::Probes(probe_starts(&self.scene, &self.tree, self.surroundings.outside, &probes)))
+    }
+
+    /// What paths carry.
     fn check_paths(&self, job: &PathJob) -> Result<(), BackendError> {
         job.check()?;
         let needs = &self.scene.needs;
         if let Some(missing) = needs.beyond_paths() {
             return Err(BackendError::SceneNeeds { method: "path", missing });
         }
-        match needs.beyond_surfaces() {
-            Some(missing) => Err(unsupported(format!("paths through {missing} (the cpu backend does)"))),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     fn run(
         &self,
         job: &PathJob,
-        target: &Target,
+        start: &PathStart,
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
         let (part, stats) =
-            self.source.run(|gpu| self.task(gpu, job, target.clone(), film.settings())?.drive(control))?;
+            self.source.run(|gpu| self.task(gpu, job, start.clone(), film.settings())?.drive(control))?;
         film.merge(&part)?;
         Ok(stats)
     }
@@ -208,7 +214,7 @@ impl Session for WgpuSession {
         let expected = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
         same_film(film, &expected)?;
-        self.run(job, &Target::Image { width: expected.width }, control, film)
+        self.run(job, &self.image(expected.width), control, film)
     }
 
     fn path_probes(
@@ -239,6 +245,16 @@ impl Session for WgpuSession {
             self.source.run(|gpu| self.direct(gpu, job, &elements, &expected)?.drive(control))?;
         film.merge(&part)?;
         Ok(stats)
+    }
+
+    fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {
+        // Once for an operator, by a few short rays an element: the host's tree is at hand.
+        let (grid, places) = (PatchGrid::new(map), transfer::places(&self.scene, map));
+        let weights = |element: usize| match Transfer::place(map, &places, element) {
+            Some(place) => grid.weights(map, place, |ray| self.tree.occluded(ray)),
+            None => Vec::new(),
+        };
+        Ok(Transfer::new((0..map.elements.count()).into_par_iter().map(weights).collect()))
     }
 
     fn relight(

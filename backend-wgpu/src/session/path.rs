@@ -1,69 +1,25 @@
 //! Paths on the device: waves of slots, small submissions, and block means that the host adds up as the CPU does.
 
-use super::features;
-use super::scene::{OFFSETS, SceneBuffers};
-use super::task::{Pace, Step, Task, WORKGROUP, bindings, is_played};
-use crate::gpu::{Binding, Buffer, Gpu, Pending, Pipeline, PipelineKey};
-use crate::shaders::Link;
+use super::scene::SceneBuffers;
+use super::task::{Pace, Step, Task, WORKGROUP, is_played};
+use super::wave::{Form, PathStart, Wave};
+use crate::gpu::{Buffer, Gpu, Pending};
 use etendue_core::backend::{BackendError, JobStats, PathJob};
 use etendue_core::film::Film;
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::ProbeStart;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Words of a state.
-const ROWS: u64 = 33;
 /// Words that the host reads of each: what was measured, and rays.
 const READ: u64 = 4;
+/// Words that shaders ask of a job.
+const JOB_WORDS: usize = 16;
 /// Words before the lists of a queue.
 const QUEUE_HEAD: u64 = 4;
-/// Words of a probe.
-const PROBE_WORDS: usize = 7;
 /// Slots of a wave on a device of its own, and on one that the processor plays.
 const SLOTS: [u64; 2] = [1 << 18, 1 << 15];
 /// Steps of one submission at most.
 const STEPS_MAX: u64 = 64;
-
-/// The pipelines of a wave.
-#[derive(Debug)]
-struct Wave {
-    start: Arc<Pipeline>,
-    trace: Arc<Pipeline>,
-    advance: Arc<Pipeline>,
-    turn: Arc<Pipeline>,
-}
-
-impl Wave {
-    fn new(gpu: &Gpu, scene: &CompiledScene, stack: usize) -> Result<Self, BackendError> {
-        let features = features::of(&scene.needs);
-        let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::path\n");
-        let name = format!("path {} stack {stack}", features.join(" "));
-        let link = Link { root: &root, features: &features, mutations: &[] };
-        let pipeline = |entry| {
-            gpu.pipeline(
-                PipelineKey { name: name.clone(), entry },
-                link,
-                &bindings([Binding::Write, Binding::Write]),
-            )
-        };
-        let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
-        let key = PipelineKey { name: "turn".into(), entry: "turn" };
-        Ok(Self {
-            start: pipeline("start")?,
-            trace: pipeline("trace")?,
-            advance: pipeline("advance")?,
-            turn: gpu.pipeline(key, turn, &[Binding::Write, Binding::Write])?,
-        })
-    }
-}
-
-/// What the paths of a job start from.
-#[derive(Clone, Debug)]
-pub(crate) enum Target {
-    Image { width: u32 },
-    Probes(Vec<ProbeStart>),
-}
 
 /// What a submission left to be read.
 #[derive(Debug)]
@@ -89,7 +45,8 @@ struct Part {
 pub struct PathTask {
     gpu: Arc<Gpu>,
     job: PathJob,
-    target: Target,
+    start: PathStart,
+    form: &'static Form,
     wave: Wave,
     slots: u64,
     uniform: Buffer,
@@ -117,33 +74,33 @@ impl PathTask {
         scene: &CompiledScene,
         buffers: &SceneBuffers,
         job: &PathJob,
-        target: Target,
+        start: PathStart,
         film: Film,
     ) -> Result<Self, BackendError> {
         let elements = film.len() as u64;
-        let probes = match &target {
-            Target::Image { .. } => Vec::new(),
-            Target::Probes(list) => probe_words(list),
-        };
+        let form = Form::of(scene);
+        let probes = form.probe_words(&start);
         let paths = elements * u64::from(job.blocks.end - job.blocks.start) * u64::from(job.block_length);
-        let slots = slots(gpu, paths, probes.len() as u64)?;
-        let wave = Wave::new(gpu, scene, buffers.stack)?;
+        let slots = slots(gpu, form.rows, paths, probes.len() as u64)?;
+        let wave = Wave::new(gpu, form, scene, buffers.stack)?;
         let g = gpu.clone();
         g.scoped(|| {
-            let states = gpu.room("states", ROWS * slots + probes.len() as u64)?;
+            let states = gpu.room("states", form.rows * slots + probes.len() as u64)?;
             if !probes.is_empty() {
-                gpu.queue.write_buffer(&states.raw, 4 * ROWS * slots, bytemuck::cast_slice(&probes));
+                let at = 4 * form.rows * slots;
+                gpu.queue.write_buffer(&states.raw, at, bytemuck::cast_slice(&probes));
             }
             let queue = gpu.room("queue", QUEUE_HEAD + 2 * slots)?;
             let groups = gpu.room("groups", 4)?;
-            let uniform = gpu.uniform("job", &[0; 14]);
+            let uniform = gpu.uniform("job", &[0; JOB_WORDS]);
             // The three pipelines have one layout in content; each its own object.
             let group = gpu.bind(&wave.start, &buffers.bound(&uniform, [&states, &queue]));
             let turn_group = gpu.bind(&wave.turn, &[&queue, &groups]);
             Ok(Self {
                 gpu: gpu.clone(),
                 job: job.clone(),
-                target,
+                start,
+                form,
                 wave,
                 slots,
                 uniform,
@@ -239,12 +196,12 @@ impl PathTask {
 
     fn begin(&mut self, part: Part) {
         let count = (part.units * u64::from(part.samples)) as u32;
-        let width = match &self.target {
-            Target::Image { width } => *width,
-            Target::Probes(_) => 0,
+        let (width, [a, b, c]) = match &self.start {
+            PathStart::Image { width, inside } => (*width, inside.packed()),
+            PathStart::Probes(_) => (0, [0; 3]),
         };
-        let probes = if width == 0 { (ROWS * self.slots) as u32 } else { 0 };
-        let words = [
+        let probes = if width == 0 { (self.form.rows * self.slots) as u32 } else { 0 };
+        let words: [u32; JOB_WORDS] = [
             self.job.seed as u32,
             (self.job.seed >> 32) as u32,
             self.slots as u32,
@@ -257,6 +214,10 @@ impl PathTask {
             self.job.max_depth,
             probes,
             width,
+            a,
+            b,
+            c,
+            0,
         ];
         self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&words));
         self.gpu.queue.write_buffer(&self.queue.raw, 0, bytemuck::cast_slice(&[0_u32; 4]));
@@ -355,29 +316,18 @@ impl Task for PathTask {
     }
 }
 
-/// Position, extent and normal of each.
-fn probe_words(list: &[ProbeStart]) -> Vec<u32> {
-    let mut words = Vec::with_capacity(PROBE_WORDS * list.len());
-    for p in list {
-        words.extend(p.point.position.to_array().map(f32::to_bits));
-        words.push(p.point.extent.to_bits());
-        words.extend(p.normal.to_array().map(f32::to_bits));
-    }
-    words
-}
-
-/// Slots of a wave: what the job has use for, and what fits beside `more` words.
-fn slots(gpu: &Gpu, paths: u64, more: u64) -> Result<u64, BackendError> {
+/// Slots of a wave, of so many rows: what the job has use for, and what fits beside `more` words.
+fn slots(gpu: &Gpu, rows: u64, paths: u64, more: u64) -> Result<u64, BackendError> {
     let [own, played] = SLOTS;
     let wanted = paths
         .next_multiple_of(u64::from(WORKGROUP))
         .clamp(u64::from(WORKGROUP), if is_played(gpu) { played } else { own });
     let words = gpu.binding_bytes() / 4;
-    let fit = words.saturating_sub(more) / ROWS / u64::from(WORKGROUP) * u64::from(WORKGROUP);
+    let fit = words.saturating_sub(more) / rows / u64::from(WORKGROUP) * u64::from(WORKGROUP);
     let fit = fit.min(gpu.dispatch_items(WORKGROUP));
     if fit == 0 {
         let what = "bytes for probes and a wave of paths in one binding";
-        let asked = 4 * (more + ROWS * u64::from(WORKGROUP));
+        let asked = 4 * (more + rows * u64::from(WORKGROUP));
         return Err(BackendError::LimitExceeded { what, asked, allowed: gpu.binding_bytes() });
     }
     Ok(wanted.min(fit))

@@ -14,6 +14,9 @@ use std::fmt::Write as _;
 
 include!(concat!(env!("OUT_DIR"), "/files.rs"));
 
+/// The feature of devices whose compilers reorder sums and fuse products: `math_kept` hides from them what must be as written.
+pub(crate) const REORDERED: &str = "REORDERED";
+
 /// A part of a shader that a test replaces, to see that the suite notices.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mutation {

@@ -1,6 +1,8 @@
 use super::*;
 use etendue_core::kernel::Kernel;
+use naga::valid::GlobalUse;
 
+/// Parses and validates; where sums may be reordered (`REORDERED`), an entry point that keeps some must know the zero that hides them.
 fn validate(name: &str, text: &str) {
     let module = match naga::front::wgsl::parse_str(text) {
         Ok(module) => module,
@@ -8,9 +10,26 @@ fn validate(name: &str, text: &str) {
     };
     let mut validator =
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
-    if let Err(e) = validator.validate(&module) {
-        panic!("{name} is not valid:\n{}", e.emit_to_string(text));
+    let info = match validator.validate(&module) {
+        Ok(info) => info,
+        Err(e) => panic!("{name} is not valid:\n{}", e.emit_to_string(text)),
+    };
+    let opaque = module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some("math_opaque"));
+    let Some((opaque, _)) = opaque else { return };
+    for (i, entry) in module.entry_points.iter().enumerate() {
+        let used = info.get_entry_point(i)[opaque];
+        let (read, written) = (GlobalUse::READ, GlobalUse::WRITE);
+        assert!(
+            !used.contains(read) || used.contains(written),
+            "{name}: `{}` does not set math_opaque",
+            entry.name
+        );
     }
+}
+
+/// Both kinds of devices.
+fn with_and_without(features: &[&'static str]) -> [Vec<&'static str>; 2] {
+    [features.to_vec(), [features, &[REORDERED]].concat()]
 }
 
 fn link(root: &str, features: &[&str]) -> Result<String, LinkError> {
@@ -20,8 +39,10 @@ fn link(root: &str, features: &[&str]) -> Result<String, LinkError> {
 #[test]
 fn every_kernel_is_valid() {
     for kernel in Kernel::ALL.iter().filter(|k| crate::kernels::is_here(**k)) {
-        let text = link(&crate::kernels::root(*kernel), crate::kernels::FEATURES).unwrap();
-        validate(kernel.name(), &text);
+        for features in with_and_without(crate::kernels::FEATURES) {
+            let text = link(&crate::kernels::root(*kernel), &features).unwrap();
+            validate(kernel.name(), &text);
+        }
     }
 }
 
@@ -41,10 +62,10 @@ const ELSEWHERE: &[[&str; 3]] = &[
 #[test]
 fn every_file_is_valid_with_what_it_uses() {
     for (path, _) in FILES {
-        for features in [&[], crate::kernels::FEATURES] {
+        for features in [&[], crate::kernels::FEATURES].into_iter().flat_map(with_and_without) {
             // Adaptors of kernels read words, and say so here alone.
             let root = format!("//: use kernel::words\n//: use {}\n", path.replace('/', "::"));
-            let mut linked = link(&root, features).unwrap();
+            let mut linked = link(&root, &features).unwrap();
             for [used, defined, definition] in ELSEWHERE {
                 if linked.contains(used) && !linked.contains(defined) {
                     linked.push_str(definition);
@@ -76,4 +97,13 @@ fn mistakes_are_named() {
     let mutation = Mutation { module: "math::bits", from: "no such text", to: "" };
     let wrong = Link { root: "", features: &[], mutations: &[mutation] }.text();
     assert!(matches!(wrong, Err(LinkError::Mutation { occurrences: 0, .. })));
+}
+
+#[test]
+fn an_entry_point_without_the_hidden_zero_is_found() {
+    let text = "//: use math::sums\n@group(0) @binding(0) var<storage, read_write> x: array<f32>;
+        @compute @workgroup_size(1) fn main() { x[0] = math_two_sum(x[1], x[2]).error; }";
+    let reordered = link(text, &[REORDERED]).unwrap();
+    assert!(std::panic::catch_unwind(|| validate("it", &reordered)).is_err());
+    validate("it", &link(text, &[]).unwrap());
 }

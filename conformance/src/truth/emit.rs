@@ -147,10 +147,10 @@ fn emit(l: &Light, bound: (V, f64), place: [f64; 2], way: [f64; 2]) -> Photon {
 pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Answer {
     let (place, way) = ([r.real(), r.real()], [r.real(), r.real()]);
     if kernel == Kernel::EmitLight {
-        let mut bound = Words(&constants[24..]);
+        let mut bound = Words::new(&constants[24..]);
         return emit(&record(constants), (bound.vec3(), bound.real()), place, way).answer();
     }
-    let mut c = Words(constants);
+    let mut c = Words::new(constants);
     let (radiance, centre, radius) = (c.vec3(), c.vec3(), c.real());
     let travel = sphere(place);
     let (origin, size) = from_infinity(travel, (centre, radius), way);

@@ -19,11 +19,11 @@ struct Field {
 
 impl Field {
     fn new(constants: &[u32]) -> Self {
-        let mut r = Words(constants);
+        let mut r = Words::new(constants);
         let size = [(); 3].map(|()| r.word() as usize);
         let channels = r.word() as usize;
         let to_cells = [(); 3].map(|()| [(); 4].map(|()| r.real()));
-        let values = r.0.iter().map(|w| f64::from(f32::from_bits(*w))).collect();
+        let values = r.rest().iter().map(|w| f64::from(f32::from_bits(*w))).collect();
         Self { size, channels, to_cells, values }
     }
 

@@ -23,7 +23,7 @@ pub(super) struct Light {
 }
 
 pub(super) fn record(constants: &[u32]) -> Light {
-    let mut c = Words(constants);
+    let mut c = Words::new(constants);
     let kind = c.word();
     c.word();
     let (pmf, area, point, params) = (c.real(), c.real(), c.vec3(), [c.real(), c.real()]);
@@ -229,7 +229,7 @@ fn pdf(l: &Light, p: V, wi: V, distance: f64, normal: V) -> Answer {
 }
 
 fn camera(constants: &[u32], r: &mut Words<'_>) -> Answer {
-    let mut c = Words(constants);
+    let mut c = Words::new(constants);
     let (position, lens_radius, forward, focus) = (c.vec3(), c.real(), c.vec3(), c.real());
     let (right, width, up, height) = (c.vec3(), c.word(), c.vec3(), c.word());
     let (x, y) = (f64::from(r.word()), f64::from(r.word()));
@@ -266,7 +266,7 @@ fn encode(x: f64) -> f64 {
 }
 
 fn tone(constants: &[u32], rgb: V) -> Answer {
-    let mut c = Words(constants);
+    let mut c = Words::new(constants);
     let (map, exposure) = (c.word(), c.real());
     let (a, offset, gamma) = (c.real(), c.real(), c.real());
     // Infinite light is the largest number, negative light and NaN are black.

@@ -7,13 +7,13 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
     use Kernel as K;
     match kernel {
         K::LogOffsetEncode => {
-            let mut c = Words(constants);
+            let mut c = Words::new(constants);
             let thresholds: Vec<f64> = constants.iter().map(|_| c.real()).collect();
             Answer::Is(vec![Expect::Word(code(&thresholds, r.real()))])
         }
         K::LogOffsetLookUp => Answer::Is(vec![Expect::Word(constants[r.word() as usize % 256])]),
         _ => {
-            let mut c = Words(constants);
+            let mut c = Words::new(constants);
             let (width, max, level) = (c.real(), c.real(), r.real());
             decoded(width, max, level, kernel == K::LogOffsetDecodeMean)
         }

@@ -54,16 +54,29 @@ pub enum Answer {
 }
 
 /// Reads typed numbers from words, as exact f64.
-pub(crate) struct Words<'a>(pub(crate) &'a [u32]);
+pub(crate) struct Words<'a> {
+    rest: &'a [u32],
+    /// One of the numbers that were read is subnormal.
+    subnormal: bool,
+}
 
-impl Words<'_> {
+impl<'a> Words<'a> {
+    pub(crate) fn new(words: &'a [u32]) -> Self {
+        Self { rest: words, subnormal: false }
+    }
     pub(crate) fn word(&mut self) -> u32 {
-        let (first, rest) = self.0.split_first().expect("inputs are as long as the kernel's shape says");
-        self.0 = rest;
+        let (first, rest) = self.rest.split_first().expect("inputs are as long as the kernel's shape says");
+        self.rest = rest;
         *first
     }
     pub(crate) fn real(&mut self) -> f64 {
-        f64::from(f32::from_bits(self.word()))
+        let x = f32::from_bits(self.word());
+        self.subnormal |= x.is_subnormal();
+        f64::from(x)
+    }
+    /// All that is left.
+    pub(crate) fn rest(self) -> &'a [u32] {
+        self.rest
     }
     pub(crate) fn vec3(&mut self) -> vec::V {
         [self.real(), self.real(), self.real()]
@@ -83,10 +96,15 @@ fn scaled<const N: usize>(values: [f64; N], scale: f64) -> Vec<Expect> {
     values.map(|x| Expect::Scaled(x, scale)).to_vec()
 }
 
-/// The truth of a kernel for one item.
-pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> Answer {
+/// The truth of a kernel for one item, and whether a number of the item is subnormal.
+pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> (Answer, bool) {
+    let mut r = Words::new(item);
+    let answer = answer(kernel, constants, &mut r);
+    (answer, r.subnormal)
+}
+
+fn answer(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Answer {
     use Kernel as K;
-    let mut r = Words(item);
     match kernel {
         K::Ln => ulp(r.real().ln()),
         K::Log2 => ulp(r.real().log2()),
@@ -108,7 +126,7 @@ pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> Answer {
             Answer::Is(w.map(Expect::Ulp).to_vec())
         }
         K::OrthonormalBasis => basis(r.vec3()),
-        K::Triangle | K::Slab | K::RoundShape | K::OffsetOrigin => geometry::truth(kernel, &mut r),
+        K::Triangle | K::Slab | K::RoundShape | K::OffsetOrigin => geometry::truth(kernel, r),
         K::EvalDiffuse
         | K::PdfDiffuse
         | K::SampleDiffuse
@@ -117,35 +135,33 @@ pub fn truth(kernel: Kernel, constants: &[u32], item: &[u32]) -> Answer {
         | K::SamplePhong
         | K::EvalLobes
         | K::PdfLobes
-        | K::SampleLobes => bsdf::truth(kernel, &mut r),
-        K::FacetsDensity | K::FacetsMasking | K::PdfVisible | K::SampleVisible => {
-            facets::truth(kernel, &mut r)
-        }
+        | K::SampleLobes => bsdf::truth(kernel, r),
+        K::FacetsDensity | K::FacetsMasking | K::PdfVisible | K::SampleVisible => facets::truth(kernel, r),
         K::EvalPhase | K::SamplePhase | K::Transmittance | K::FresnelDielectric | K::FresnelConductor => {
-            media::truth(kernel, &mut r)
+            media::truth(kernel, r)
         }
         K::SampleLight | K::PdfLight | K::PowerHeuristic | K::CameraRay | K::ToneDisplay => {
-            light::truth(kernel, constants, &mut r)
+            light::truth(kernel, constants, r)
         }
-        K::GridAt | K::GridOpticalLength => grid::truth(kernel, constants, &mut r),
-        K::SrgbDecode | K::SampleBitmap => light::image(kernel, constants, &mut r),
+        K::GridAt | K::GridOpticalLength => grid::truth(kernel, constants, r),
+        K::SrgbDecode | K::SampleBitmap => light::image(kernel, constants, r),
         K::U32ToUnit
         | K::CounterBits4
         | K::SobolBits4
         | K::SobolSet
         | K::CdfPick
         | K::CdfPmf
-        | K::EvenWord => sampling::truth(kernel, constants, &mut r),
+        | K::EvenWord => sampling::truth(kernel, constants, r),
         _ => match kernel.module() {
-            "linear_triangle" => linear_triangle::truth(kernel, constants, &mut r),
-            "emission" => emission::truth(kernel, constants, &mut r),
-            "subdivide" => subdivide::truth(kernel, constants, &mut r),
-            "log_offset" => log_offset::truth(kernel, constants, &mut r),
-            "bc1" | "bc4" => bc1::truth(kernel, constants, &mut r),
-            "polynomial" => polynomial::truth(kernel, constants, &mut r),
-            "first_shot" => first_shot::truth(kernel, constants, &mut r),
-            "emit" => emit::truth(kernel, constants, &mut r),
-            _ => warp::truth(kernel, constants, &mut r),
+            "linear_triangle" => linear_triangle::truth(kernel, constants, r),
+            "emission" => emission::truth(kernel, constants, r),
+            "subdivide" => subdivide::truth(kernel, constants, r),
+            "log_offset" => log_offset::truth(kernel, constants, r),
+            "bc1" | "bc4" => bc1::truth(kernel, constants, r),
+            "polynomial" => polynomial::truth(kernel, constants, r),
+            "first_shot" => first_shot::truth(kernel, constants, r),
+            "emit" => emit::truth(kernel, constants, r),
+            _ => warp::truth(kernel, constants, r),
         },
     }
 }

@@ -50,7 +50,7 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
         }
         return Answer::Is(vec![sum.expect()]);
     }
-    let mut c = Words(constants);
+    let mut c = Words::new(constants);
     let n = c.word().min(8) as usize;
     let x: Vec<Sum> = (0..8)
         .map(|_| {

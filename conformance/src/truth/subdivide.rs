@@ -216,7 +216,7 @@ fn expected(d: [f64; 3], r: f64) -> [f64; 2] {
 }
 
 pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Answer {
-    let mut c = Words(constants);
+    let mut c = Words::new(constants);
     let tolerance = |c: &mut Words<'_>| c.real().max(0.0);
     let corners = [r.vec3(), r.vec3(), r.vec3()];
     let l = [0; 7].map(|_| r.real().max(0.0).min(2.0_f64.powi(126)));

@@ -183,14 +183,14 @@ pub(super) fn truth(kernel: Kernel, constants: &[u32], r: &mut Words<'_>) -> Ans
         K::PdfTriangle => per_area(r.vec3(), r.vec3(), 2.0),
         K::PdfParallelogram => per_area(r.vec3(), r.vec3(), 1.0),
         K::SampleParallelogram => {
-            let mut c = Words(constants);
+            let mut c = Words::new(constants);
             let (origin, e0, e1) = (c.vec3(), c.vec3(), c.vec3());
             let p = vec::add(origin, vec::add(vec::mul(e0, r.real()), vec::mul(e1, r.real())));
             let size = vec::largest(origin) + vec::largest(e0) + vec::largest(e1);
             Answer::Is(scaled(p, size))
         }
         _ => {
-            let mut c = Words(constants);
+            let mut c = Words::new(constants);
             let (origin, e0, e1) = (c.vec3(), c.vec3(), c.vec3());
             let p = r.vec3();
             let (d, n) = (vec::sub(p, origin), vec::cross(e0, e1));

@@ -47,6 +47,29 @@ pub struct BackendInfo {
     pub version: &'static str,
 }
 
+/// How a backend's float operations round, and so how near its numbers must come to the scalar reference's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arithmetic {
+    /// As IEEE 754 has it, one after the other as written: the reference's bits.
+    Ieee,
+    /// The same, but that numbers below 2^-126 are zero.
+    FlushesSubnormals,
+    /// Otherwise: quotients and roots with errors, products fused, sums reordered. Near, but not equal.
+    #[default]
+    Loose,
+}
+
+impl Arithmetic {
+    /// In words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Ieee => "IEEE 754",
+            Self::FlushesSubnormals => "IEEE 754 without subnormal numbers",
+            Self::Loose => "rounded otherwise than by IEEE 754",
+        }
+    }
+}
+
 /// What a backend can do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
@@ -67,6 +90,11 @@ pub trait Backend: Send + Sync {
 
     /// What it can do.
     fn capabilities(&self) -> Capabilities;
+
+    /// How its float operations round. It may try some of them to know, and wait for its device. By default nothing is promised.
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::Loose
+    }
 
     /// Makes a scene ready for jobs (builds trees, uploads buffers).
     ///

@@ -40,7 +40,7 @@ fn emission_minor(e: EmissionEdge, f: EmissionEdge, i: u32, j: u32) -> f32 {
     let q = math_two_prod(e.high[j], f.high[i]);
     let s = math_two_sum(p.value, -q.value);
     let cross = (e.high[i] * f.low[j] + e.low[i] * f.high[j]) - (e.high[j] * f.low[i] + e.low[j] * f.high[i]);
-    return s.value + (s.error + ((p.error - q.error) + cross));
+    return s.value + math_kept(s.error + math_kept(math_kept(p.error - q.error) + cross));
 }
 
 fn emission_is_finite(v: vec3<f32>) -> bool {

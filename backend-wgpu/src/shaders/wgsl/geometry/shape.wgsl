@@ -60,33 +60,31 @@ fn geometry_power_of_two_scale(x: f32) -> f32 {
     return bitcast<f32>((254u - clamp(exponent, 1u, 253u)) << 23u);
 }
 
-// A root of a ray's equation, if there is one. Core says NaN for none, which compilers drop where they make `max` of a clamp.
-struct ShapeRoot { found: bool, t: f32 }
-
-// First root at or above 0.
-fn geometry_sphere(f: vec3<f32>, d: vec3<f32>, r: f32) -> ShapeRoot {
+// First root at or above 0, or NaN.
+fn geometry_sphere(f: vec3<f32>, d: vec3<f32>, r: f32) -> f32 {
     let a = math_dot(d, d);
     let b = -math_dot(f, d);
     let line = f + d * (b / a);
     let distance = sqrt(math_dot(line, line));
     let discriminant = (r - distance) * (r + distance);
-    if !(discriminant >= 0.0f) { return ShapeRoot(false, 0.0f); }
+    if discriminant < 0.0f { return math_nan(); }
     let root = sqrt(a * discriminant);
     let q = select(b + root, b - root, b < 0.0f);
     let len = sqrt(math_dot(f, f));
     let c = (len - r) * (len + r);
-    if q == 0.0f { return ShapeRoot(true, 0.0f); }
+    if q == 0.0f { return 0.0f; }
     let u = q / a;
     let v = c / q;
     let t0 = select(v, u, u < v);
     let t1 = select(u, v, u < v);
-    return ShapeRoot(true, select(t1, t0, t0 >= 0.0f));
+    return select(t1, t0, t0 >= 0.0f);
 }
 
-fn geometry_disk(f: vec3<f32>, d: vec3<f32>, n: vec3<f32>, radius: f32) -> ShapeRoot {
+fn geometry_disk(f: vec3<f32>, d: vec3<f32>, n: vec3<f32>, radius: f32) -> f32 {
     let t = -math_dot(n, f) / math_dot(n, d);
     let q = f + d * t;
-    return ShapeRoot(math_dot(q, q) <= radius * radius, t);
+    if math_dot(q, q) <= radius * radius { return t; }
+    return math_nan();
 }
 
 // The ray's parameter, or -1.
@@ -100,14 +98,15 @@ fn geometry_intersect_shape(ray: PreparedRay, shape: RoundShape, t_max: f32) -> 
     let scale = geometry_power_of_two_scale(math_max_element(abs(ray.direction)));
     let d = ray.direction * scale;
     let f = ray.origin - shape.center;
-    var root: ShapeRoot;
+    var t: f32;
     if shape.kind == SPHERE {
-        root = geometry_sphere(f, d, shape.radius);
+        t = geometry_sphere(f, d, shape.radius);
     } else {
-        root = geometry_disk(f, d, shape.normal, shape.radius);
+        t = geometry_disk(f, d, shape.normal, shape.radius);
     }
-    if !root.found { return -1.0f; }
-    var t = root.t * scale;
+    t = t * scale;
+    // A compiler may make `max` of the next line, and a number of NaN.
+    if math_is_nan(t) { return -1.0f; }
     if t < enter { t = enter; }
     if t >= 0.0f && t <= t_max && math_is_finite(t) { return math_positive_zero(t); }
     return -1.0f;

@@ -3,6 +3,10 @@
 
 struct TriangleHit { hit: bool, t: f32, b1: f32, b2: f32 }
 
+fn geometry_sheared(v: vec3<f32>, s: vec2<f32>) -> vec2<f32> {
+    return vec2(v.x - math_kept(s.x * v.z), v.y - math_kept(s.y * v.z));
+}
+
 fn geometry_intersect_triangle(
     ray: PreparedRay,
     v0: vec3<f32>,
@@ -15,12 +19,13 @@ fn geometry_intersect_triangle(
     let b = geometry_rotate(ray.axis, v1 - ray.origin);
     let c = geometry_rotate(ray.axis, v2 - ray.origin);
     let s = ray.shear.xy;
-    let p = a.xy - s * a.z;
-    let q = b.xy - s * b.z;
-    let r = c.xy - s * c.z;
-    let e0 = r.x * q.y - r.y * q.x;
-    let e1 = p.x * r.y - p.y * r.x;
-    let e2 = q.x * p.y - q.y * p.x;
+    // Neighbours must see a common edge alike: no product of theirs is fused.
+    let p = geometry_sheared(a, s);
+    let q = geometry_sheared(b, s);
+    let r = geometry_sheared(c, s);
+    let e0 = math_kept(r.x * q.y) - math_kept(r.y * q.x);
+    let e1 = math_kept(p.x * r.y) - math_kept(p.y * r.x);
+    let e2 = math_kept(q.x * p.y) - math_kept(q.y * p.x);
     let negative = e0 < 0.0f || e1 < 0.0f || e2 < 0.0f;
     let positive = e0 > 0.0f || e1 > 0.0f || e2 > 0.0f;
     if negative && positive { return miss; }
@@ -32,6 +37,8 @@ fn geometry_intersect_triangle(
     let lo = math_min3(math_min3(v0, v1), v2);
     let hi = math_max3(math_max3(v0, v1), v2);
     let own = geometry_slab_interval(ray, lo, hi);
+    // A compiler may make `min` and `max` of the next lines, and a number of NaN.
+    if math_is_nan(t) { return miss; }
     if t > own.y { t = own.y; }
     if t < own.x { t = own.x; }
     if !(t >= 0.0f && t <= t_max && math_is_finite(t) && own.x <= own.y) { return miss; }

@@ -4,6 +4,21 @@ const ONE_MINUS_EPSILON: f32 = 0.99999994f;
 const MIN_POSITIVE: f32 = 1.1754944e-38f;
 const MAX_FLOAT: f32 = 3.4028235e38f;
 
+//: if REORDERED
+// Zero, which the compiler cannot know: entry points set it from a word of the host.
+var<private> math_opaque: u32;
+
+// The number as it was computed: a compiler that reorders sums and fuses products may not look through.
+fn math_kept(x: f32) -> f32 { return bitcast<f32>(bitcast<u32>(x) ^ math_opaque); }
+
+fn math_kept4(x: vec4<f32>) -> vec4<f32> { return bitcast<vec4<f32>>(bitcast<vec4<u32>>(x) ^ vec4(math_opaque)); }
+//: else
+// Sums and products are as written.
+fn math_kept(x: f32) -> f32 { return x; }
+
+fn math_kept4(x: vec4<f32>) -> vec4<f32> { return x; }
+//: end
+
 // From a variable, since constant expressions may not be infinite.
 fn math_infinity() -> f32 {
     var bits = 0x7f800000u;
@@ -37,25 +52,26 @@ fn math_pow2(k: i32) -> f32 { return bitcast<f32>(u32(k + 127) << 23u); }
 
 fn math_scale(y: f32, k: i32) -> f32 {
     let h = k >> 1u;
-    return y * math_pow2(h) * math_pow2(k - h);
+    return math_kept(y * math_pow2(h)) * math_pow2(k - h);
 }
 
+// Powers of two that together are no float: their product must not be taken first.
 fn math_ldexp(x_in: f32, k_in: i32) -> f32 {
     var x = x_in;
     var k = k_in;
     if k > 127 {
-        x *= math_pow2(127);
+        x = math_kept(x * math_pow2(127));
         k -= 127;
         if k > 127 {
-            x *= math_pow2(127);
+            x = math_kept(x * math_pow2(127));
             k -= 127;
             if k > 127 { k = 127; }
         }
     } else if k < -126 {
-        x *= math_pow2(-102);
+        x = math_kept(x * math_pow2(-102));
         k += 102;
         if k < -126 {
-            x *= math_pow2(-102);
+            x = math_kept(x * math_pow2(-102));
             k += 102;
             if k < -126 { k = -126; }
         }

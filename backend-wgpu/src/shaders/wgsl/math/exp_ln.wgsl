@@ -41,12 +41,12 @@ fn math_log2_normal(x: f32, shift: i32) -> f32 {
     let half_square = 0.5f * f2;
     let tail = f * f2 * math_ln_tail(f, f2);
     let upper = math_upper12(f - half_square);
-    let lower = ((f - upper) - half_square) + tail;
+    let lower = (math_kept(f - upper) - half_square) + tail;
     let small = (lower + upper) * INV_LN2_LOWER + lower * INV_LN2_UPPER;
     let large = upper * INV_LN2_UPPER;
     let k = f32(s.k + shift);
-    let sum = k + large;
-    let lost = select(large - (sum - k), 0.0f, k == 0.0f);
+    let sum = math_kept(k + large);
+    let lost = select(large - math_kept(sum - k), 0.0f, k == 0.0f);
     return sum + (lost + small);
 }
 
@@ -63,9 +63,9 @@ fn math_exp(x_in: f32) -> f32 {
     if x > 89.0f { x = 89.0f; }
     if x < -104.0f { x = -104.0f; }
     let n = math_nearest(x * INV_LN2);
-    let upper = x - n.kf * LN2_UPPER;
-    let lower = n.kf * LN2_LOWER;
-    let r = upper - lower;
+    let upper = math_kept(x - math_kept(n.kf * LN2_UPPER));
+    let lower = math_kept(n.kf * LN2_LOWER);
+    let r = math_kept(upper - lower);
     let r2 = r * r;
     let q = (0.49999994f + r * 0.16666517f) + r2 * ((0.04166828f + r * 0.008369248f) + r2 * 0.0013820744f);
     return math_scale(1.0f + (upper + (r2 * q - lower)), n.k);
@@ -75,7 +75,8 @@ fn math_exp2_minus_one(r: f32, lower: f32) -> f32 {
     let r2 = r * r;
     let q = (0.24022648f + r * 0.055503584f) + r2 * ((0.009618455f + r * 0.0013392338f) + r2 * 1.5354928e-4f);
     let upper = math_upper12(r);
-    return upper * LN_2_UPPER12 + (r2 * q + (r * LN_2_REST + ((r - upper) + lower) * LN_2_UPPER12));
+    let rest = math_kept((math_kept(r - upper) + lower) * LN_2_UPPER12);
+    return math_kept(upper * LN_2_UPPER12) + (r2 * q + (r * LN_2_REST + rest));
 }
 
 fn math_exp2(x_in: f32) -> f32 {
@@ -84,5 +85,5 @@ fn math_exp2(x_in: f32) -> f32 {
     if x > 129.0f { x = 129.0f; }
     if x < -151.0f { x = -151.0f; }
     let n = math_nearest(x);
-    return math_scale(1.0f + math_exp2_minus_one(x - n.kf, 0.0f), n.k);
+    return math_scale(1.0f + math_exp2_minus_one(math_kept(x - n.kf), 0.0f), n.k);
 }

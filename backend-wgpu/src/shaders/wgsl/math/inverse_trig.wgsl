@@ -22,13 +22,13 @@ fn math_acos(x_in: f32) -> f32 {
     let a = math_abs(x);
     if a <= 0.5f {
         let tail = x * math_asin_tail(x * x);
-        return HALF_PI - (x - (HALF_PI_LOW - tail));
+        return HALF_PI - math_kept(x - math_kept(HALF_PI_LOW - tail));
     }
     let z = 0.5f - 0.5f * a;
     let s = sqrt(z);
     let tail = s * math_asin_tail(z);
     if x > 0.0f { return 2.0f * (s + tail); }
-    return PI - (2.0f * s - (PI_LOW - 2.0f * tail));
+    return PI - math_kept(2.0f * s - math_kept(PI_LOW - 2.0f * tail));
 }
 
 fn math_asin(x_in: f32) -> f32 {
@@ -38,9 +38,9 @@ fn math_asin(x_in: f32) -> f32 {
     let z = 0.5f - 0.5f * a;
     let s = sqrt(z);
     let tail = s * math_asin_tail(z);
-    let difference = HALF_PI - 2.0f * s;
-    let lost = (HALF_PI - difference) - 2.0f * s;
-    let y = difference - ((2.0f * tail - HALF_PI_LOW) - lost);
+    let difference = math_kept(HALF_PI - 2.0f * s);
+    let lost = math_kept(HALF_PI - difference) - 2.0f * s;
+    let y = difference - math_kept(math_kept(2.0f * tail - HALF_PI_LOW) - lost);
     return math_copysign(y, x);
 }
 
@@ -57,7 +57,9 @@ fn math_atan_tail(z: f32) -> f32 {
 fn math_lost_in_quotient(q: f32, small: f32, large: f32) -> f32 {
     let q_upper = math_upper12(q);
     let l_upper = math_upper12(large);
-    let remainder = ((small - q_upper * l_upper) - (q - q_upper) * l_upper) - q * (large - l_upper);
+    let first = math_kept(small - math_kept(q_upper * l_upper));
+    let second = math_kept(first - math_kept(math_kept(q - q_upper) * l_upper));
+    let remainder = second - math_kept(q * math_kept(large - l_upper));
     if small > 1.0e-24f && math_is_finite(large) { return remainder / large; }
     return 0.0f;
 }
@@ -68,7 +70,7 @@ fn math_atan2(y: f32, x: f32) -> f32 {
     let steep = ay > ax;
     let small = select(ay, ax, steep);
     let large = select(ax, ay, steep);
-    var q = small / large;
+    var q = math_kept(small / large);
     if small == large { q = select(1.0f, 0.0f, large == 0.0f); }
     var tail = q * math_atan_tail(q * q) + math_lost_in_quotient(q, small, large);
     let left = x < 0.0f;
@@ -85,9 +87,9 @@ fn math_atan2(y: f32, x: f32) -> f32 {
         q = -q;
         tail = -tail;
     }
-    let sum = base + q;
-    let lost = (base - sum) + q;
-    let angle = sum + (lost + (tail + base_low));
+    let sum = math_kept(base + q);
+    let lost = math_kept(math_kept(base - sum) + q);
+    let angle = sum + math_kept(lost + math_kept(tail + base_low));
     return math_copysign(angle, y);
 }
 

@@ -9,44 +9,45 @@ fn math_log2_in_two(x: f32, shift: i32) -> vec2<f32> {
     let f = m - 1.0f;
     let divisor = m + 1.0f;
     let inverse = 1.0f / divisor;
-    let s = f * inverse;
+    let s = math_kept(f * inverse);
     let s_upper = math_upper12(s);
     let divisor_upper = math_upper12(divisor);
-    let divisor_lower = m - (divisor_upper - 1.0f);
-    let s_lower = ((f - s_upper * divisor_upper) - s_upper * divisor_lower) * inverse;
+    let divisor_lower = m - math_kept(divisor_upper - 1.0f);
+    let rest_of_s = math_kept(math_kept(f - math_kept(s_upper * divisor_upper)) - s_upper * divisor_lower);
+    let s_lower = rest_of_s * inverse;
 
-    let square_upper = s_upper * s_upper;
+    let square_upper = math_kept(s_upper * s_upper);
     let square = s * s;
     let q = 0.6000023f + square * (0.42820632f + square * 0.35129592f);
-    let rest = square * square * q + s_lower * (s_upper + s);
+    let rest = math_kept(square * square * q + s_lower * (s_upper + s));
     let bracket_upper = math_upper12(3.0f + square_upper + rest);
-    let bracket_lower = rest - ((bracket_upper - 3.0f) - square_upper);
+    let bracket_lower = rest - math_kept(math_kept(bracket_upper - 3.0f) - square_upper);
 
-    let large = s_upper * bracket_upper;
-    let small = s_lower * bracket_upper + bracket_lower * s;
+    let large = math_kept(s_upper * bracket_upper);
+    let small = math_kept(s_lower * bracket_upper + bracket_lower * s);
     let product_upper = math_upper12(large + small);
-    let product_lower = small - (product_upper - large);
+    let product_lower = small - math_kept(product_upper - large);
 
-    let large2 = 0.9616699f * product_upper;
-    let small2 = 1.2677205e-4f * product_upper + product_lower * 0.9617967f;
+    let large2 = math_kept(0.9616699f * product_upper);
+    let small2 = math_kept(math_kept(1.2677205e-4f * product_upper) + product_lower * 0.9617967f);
     let upper = math_upper12((large2 + small2) + k);
-    return vec2(upper, small2 - ((upper - k) - large2));
+    return vec2(upper, small2 - math_kept(math_kept(upper - k) - large2));
 }
 
 fn math_pow_normal(x: f32, shift: i32, y_in: f32) -> f32 {
     let l = math_log2_in_two(x, shift);
     let y = math_clamp(y_in, -1.0995116e12f, 1.0995116e12f);
     let y_upper = math_upper12(y);
-    var product = y_upper * l.x;
-    var small = (y - y_upper) * l.x + y * l.y;
+    var product = math_kept(y_upper * l.x);
+    var small = math_kept(math_kept(y - y_upper) * l.x + y * l.y);
     if math_abs(product + small) > 151.0f {
         product = math_clamp(product, -151.0f, 151.0f);
         small = 0.0f;
     }
     let n = math_nearest(product + small);
-    let difference = product - n.kf;
-    let r = difference + small;
-    let lost = small - (r - difference);
+    let difference = math_kept(product - n.kf);
+    let r = math_kept(difference + small);
+    let lost = small - math_kept(r - difference);
     return math_scale(1.0f + math_exp2_minus_one(r, lost), n.k);
 }
 

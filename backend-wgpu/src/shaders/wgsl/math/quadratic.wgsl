@@ -5,7 +5,7 @@
 fn math_discriminant(a: f32, b: f32, c: f32) -> f32 {
     let p = math_two_prod(b, b);
     let q = math_two_prod(4.0f * a, c);
-    return (p.value - q.value) + (p.error - q.error);
+    return math_kept(p.value - q.value) + (p.error - q.error);
 }
 
 // In ascending order, if there are any.

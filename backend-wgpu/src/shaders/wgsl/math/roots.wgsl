@@ -18,10 +18,10 @@ fn math_cbrt(x: f32) -> f32 {
     y = y + y * third * (1.0f - (v * y) * y * y);
     y = y + y * third * (1.0f - (v * y) * y * y);
     let y2 = y * y;
-    let t = v * y2;
+    let t = math_kept(v * y2);
     let upper = math_upper8(t);
-    let lower = t - upper;
-    let residual = (v - upper * upper * upper) - lower * (3.0f * (upper * t) + lower * lower);
+    let lower = math_kept(t - upper);
+    let residual = math_kept(v - math_kept(upper * upper * upper)) - lower * (3.0f * (upper * t) + lower * lower);
     let root = (t + residual * (y2 * third)) * back;
     if a > 0.0f && math_is_finite(a) { return math_copysign(root, x); }
     return x;

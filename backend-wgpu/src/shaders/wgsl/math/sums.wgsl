@@ -5,18 +5,19 @@
 struct Exact { value: f32, error: f32 }
 
 fn math_two_sum(a: f32, b: f32) -> Exact {
-    let sum = a + b;
-    let b_in_sum = sum - a;
-    return Exact(sum, (a - (sum - b_in_sum)) + (b - b_in_sum));
+    let sum = math_kept(a + b);
+    let b_in_sum = math_kept(sum - a);
+    return Exact(sum, (a - math_kept(sum - b_in_sum)) + (b - b_in_sum));
 }
 
 fn math_two_prod(a: f32, b: f32) -> Exact {
-    let product = a * b;
+    let product = math_kept(a * b);
     let a1 = math_upper12(a);
     let b1 = math_upper12(b);
-    let a2 = a - a1;
-    let b2 = b - b1;
-    return Exact(product, a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2));
+    let a2 = math_kept(a - a1);
+    let b2 = math_kept(b - b1);
+    let rest = math_kept(math_kept(product - math_kept(a1 * b1)) - math_kept(a2 * b1));
+    return Exact(product, math_kept(a2 * b2) - math_kept(rest - math_kept(a1 * b2)));
 }
 
 struct Compensated { sum: f32, lost: f32 }
@@ -24,12 +25,12 @@ struct Compensated { sum: f32, lost: f32 }
 fn math_compensated(value: f32) -> Compensated { return Compensated(value, 0.0f); }
 
 fn math_compensated_add(c: Compensated, x: f32) -> Compensated {
-    let total = c.sum + x;
+    let total = math_kept(c.sum + x);
     var lost = 0.0f;
     if math_abs(c.sum) >= math_abs(x) {
-        lost = (c.sum - total) + x;
+        lost = math_kept(c.sum - total) + x;
     } else {
-        lost = (x - total) + c.sum;
+        lost = math_kept(x - total) + c.sum;
     }
     return Compensated(total, c.lost + lost);
 }

@@ -11,8 +11,8 @@ fn math_sin_reduced(r: f32, lower: f32, z: f32) -> f32 {
 fn math_cos_reduced(r: f32, lower: f32, z: f32) -> f32 {
     let c = 0.041666646f + z * (-0.0013887308f + z * 2.4432102e-5f);
     let half_z = 0.5f * z;
-    let w = 1.0f - half_z;
-    return w + (((1.0f - w) - half_z) + (z * z * c - r * lower));
+    let w = math_kept(1.0f - half_z);
+    return w + ((math_kept(1.0f - w) - half_z) + (z * z * c - r * lower));
 }
 
 fn math_sin_cos(x_in: f32) -> SinCos {
@@ -20,16 +20,16 @@ fn math_sin_cos(x_in: f32) -> SinCos {
     var x = x_in;
     if math_abs(x) > 3216.0f { x = 0.0f; }
     let n = math_nearest(x * 0.636619747f);
-    let r1 = x - n.kf * 1.5705566f;
-    let n2 = n.kf * 2.3967028e-4f;
-    let r2 = r1 - n2;
-    let e2 = (r1 - r2) - n2;
-    let n3 = n.kf * 1.5890691e-8f;
-    let r3 = r2 - n3;
-    let e3 = (r2 - r3) - n3;
-    let lost = (e2 + e3) - n.kf * 2.563344e-12f;
-    let r = r3 + lost;
-    let lower = (r3 - r) + lost;
+    let r1 = math_kept(x - math_kept(n.kf * 1.5705566f));
+    let n2 = math_kept(n.kf * 2.3967028e-4f);
+    let r2 = math_kept(r1 - n2);
+    let e2 = math_kept(r1 - r2) - n2;
+    let n3 = math_kept(n.kf * 1.5890691e-8f);
+    let r3 = math_kept(r2 - n3);
+    let e3 = math_kept(r2 - r3) - n3;
+    let lost = math_kept((e2 + e3) - n.kf * 2.563344e-12f);
+    let r = math_kept(r3 + lost);
+    let lower = math_kept(r3 - r) + lost;
     let z = r * r;
     let s = bitcast<u32>(math_sin_reduced(r, lower, z));
     let c = bitcast<u32>(math_cos_reduced(r, lower, z));

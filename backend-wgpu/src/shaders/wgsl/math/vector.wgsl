@@ -25,7 +25,8 @@ fn math_min_component(v: vec3<f32>) -> f32 { return math_min_number(math_min_num
 
 fn math_mean(rgb: vec3<f32>) -> f32 {
     let third = 0.333333343f;
-    return rgb.x * third + rgb.y * third + rgb.z * third;
+    // Their sum may be beyond the largest float.
+    return math_kept(rgb.x * third) + math_kept(rgb.y * third) + math_kept(rgb.z * third);
 }
 
 fn math_normalize_or(v: vec3<f32>, fallback: vec3<f32>) -> vec3<f32> {

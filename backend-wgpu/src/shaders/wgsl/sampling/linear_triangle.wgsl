@@ -85,14 +85,14 @@ fn linear_triangle_distance(w: vec3<f32>, xi: f32) -> vec2<f32> {
     let vv = math_two_sum(w.y, w.z);
     let v = vv.value;
     let v_low = vv.error;
-    let sum = v + w0;
-    let sum_low = ((v - sum) + w0) + v_low;
-    let t = v - 2.0f * w0;
-    let t_low = ((v - t) - 2.0f * w0) + v_low;
-    let w3 = 3.0f * w0;
-    let w3_low = (2.0f * w0 - w3) + w0;
-    let v3 = 3.0f * v;
-    let v3_low = ((2.0f * v - v3) + v) + 3.0f * v_low;
+    let sum = math_kept(v + w0);
+    let sum_low = math_kept(math_kept(v - sum) + w0) + v_low;
+    let t = math_kept(v - 2.0f * w0);
+    let t_low = math_kept(math_kept(v - t) - 2.0f * w0) + v_low;
+    let w3 = math_kept(3.0f * w0);
+    let w3_low = math_kept(2.0f * w0 - w3) + w0;
+    let v3 = math_kept(3.0f * v);
+    let v3_low = math_kept(math_kept(2.0f * v - v3) + v) + 3.0f * v_low;
     let less = 3.0f * (v - w0);
 
     let edge = LINEAR_TRIANGLE_EDGE;
@@ -110,25 +110,25 @@ fn linear_triangle_distance(w: vec3<f32>, xi: f32) -> vec2<f32> {
     let z = linear_triangle_twelve_bits(better);
     let x = z * down;
     let t_high = math_upper12(t);
-    let gg = math_two_sum(w3, t_high * x);
-    let g_low = gg.error + (w3_low + (t - t_high) * x + t_low * x);
+    let gg = math_two_sum(w3, math_kept(t_high * x));
+    let g_low = gg.error + (w3_low + math_kept(t - t_high) * x + t_low * x);
     let tx = t * x;
 
     let rest = 1.0f - xi;
     let c_rhs = rest * sum;
     let c = linear_triangle_twelve_bits((c_rhs * v3) / (v3 * v3 - 1.05f * (less * c_rhs)));
-    let kc = (t * c - less) * c;
-    let h = v3 + kc;
-    let h_low = ((v3 - h) + kc) + v3_low;
+    let kc = math_kept((t * c - less) * c);
+    let h = math_kept(v3 + kc);
+    let h_low = math_kept(math_kept(v3 - h) + kc) + v3_low;
     let tc = t * c;
 
     let start = select(x, c, far);
     let back = select(down, 1.0f, far);
     let share = select(scaled_xi, rest, far);
     let r = math_two_prod(share, sum);
-    let power = select(z * z, c, far);
+    let power = math_kept(select(z * z, c, far));
     let m = math_two_prod(power, select(gg.value, h, far));
-    let residual = (r.value - m.value)
+    let residual = math_kept(r.value - m.value)
         + ((r.error - m.error) + (share * sum_low - power * select(g_low, h_low, far)));
     let slope = select(z * (2.0f * w3 + 3.0f * tx), v3 - c * (2.0f * less - 3.0f * tc), far);
     let curve = select(w3 + 3.0f * tx, 3.0f * tc - less, far);

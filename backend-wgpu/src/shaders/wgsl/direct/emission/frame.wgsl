@@ -27,11 +27,11 @@ fn emission_texel_coordinates(u_in: vec3<f32>, side: u32) -> EmissionCoordinates
     return EmissionCoordinates(true, vec3(x.value, y.value, z.value), vec3(x.error, y.error, z.error));
 }
 
-// `cell` within a period of `side` cells.
+// `cell` within a period of `side` cells. Of unsigned numbers alone, since drivers differ in the rest of negative ones.
 fn emission_within_period(cell: f32, side: u32) -> u32 {
-    let n = i32(side);
-    let rest = i32(cell) % n;
-    return u32(select(rest, rest + n, rest < 0));
+    let c = i32(cell);
+    if c >= 0i { return u32(c) % side; }
+    return side - 1u - u32(-1i - c) % side;
 }
 
 struct EmissionAxis { ok: bool, local: vec3<f32>, base: u32 }

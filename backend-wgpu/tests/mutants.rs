@@ -1,0 +1,238 @@
+//! Shaders with a plausible mistake each, and what of the suite notices: a kernel's truth or a scene. A mistake that does not compile is
+//! noticed by the compiler, which is no test of the suite.
+
+mod adapter;
+
+use etendue_conformance::analytic::{self, Estimator};
+use etendue_conformance::kernels::{QUICK_COUNT, measure};
+use etendue_conformance::{Level, golden, invariance};
+use etendue_core::backend::Backend;
+use etendue_core::kernel::Kernel;
+use etendue_wgpu::{Mutation, Options};
+
+/// What notices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum By {
+    Kernel(Kernel),
+    /// A scene with an exact answer.
+    Case(&'static str),
+    /// A scene with an image of the reference's.
+    Golden(&'static str),
+    /// What must not change, by its name.
+    Invariance(&'static str),
+}
+
+impl By {
+    /// Whether the suite is content with this backend; an error of the backend is a failure of the test.
+    fn passes(self, backend: &dyn Backend) -> bool {
+        let found = match self {
+            Self::Kernel(kernel) => return measure(backend, kernel, QUICK_COUNT).unwrap().passes(),
+            Self::Case(name) => {
+                let case = analytic::cases().into_iter().find(|c| c.name == name).unwrap();
+                analytic::check(backend, Estimator::Path, &case, Level::Quick).unwrap()
+            }
+            Self::Golden(name) => {
+                let scene = golden::scenes().into_iter().find(|s| s.name == name).unwrap();
+                golden::check(backend, Estimator::Path, &scene, Level::Quick).unwrap()
+            }
+            Self::Invariance(name) => {
+                let mut found = invariance::check(backend, Level::Quick).unwrap();
+                found.retain(|f| f.0 == name);
+                assert_eq!(found.len(), 1, "no invariance {name}");
+                found
+            }
+        };
+        found.iter().all(|f| f.1)
+    }
+}
+
+/// The mistake, its file, the text that is right, the text that is not, and what notices.
+type Mutant = (&'static str, &'static str, &'static str, &'static str, By);
+
+const MUTANTS: &[Mutant] = &[
+    (
+        "the next group of Sobol' points",
+        "sampling::sobol",
+        "sobol_derive(sampler.key, group << 3u)",
+        "sobol_derive(sampler.key, (group + 1u) << 3u)",
+        By::Kernel(Kernel::SobolBits4),
+    ),
+    (
+        "the next entry at the boundary",
+        "sampling::discrete",
+        "if discrete_count(low + half) <= x",
+        "if discrete_count(low + half) < x",
+        By::Kernel(Kernel::CdfPick),
+    ),
+    (
+        "a wrong sign in a basis",
+        "math::vector",
+        "let b = n.x * n.y * a;",
+        "let b = -n.x * n.y * a;",
+        By::Kernel(Kernel::OrthonormalBasis),
+    ),
+    (
+        "a rest added for subtracted",
+        "math::exp_ln",
+        "math_kept(upper - lower)",
+        "math_kept(upper + lower)",
+        By::Kernel(Kernel::Exp),
+    ),
+    (
+        "a light's pick left out of its density",
+        "light",
+        "let pdf = pmf * d2 / (area * cos);",
+        "let pdf = d2 / (area * cos);",
+        By::Kernel(Kernel::SampleLight),
+    ),
+    (
+        "the cosine of a light's other side",
+        "light",
+        "let cos = -math_dot(wi, normal);\n    if cos <= 0.0f",
+        "let cos = math_dot(wi, normal);\n    if cos <= 0.0f",
+        By::Kernel(Kernel::SampleLight),
+    ),
+    (
+        "the balance heuristic on one side",
+        "transport::mis",
+        "return r2 / (1.0f + r2);",
+        "return r / (1.0f + r);",
+        By::Kernel(Kernel::PowerHeuristic),
+    ),
+    (
+        "rows of texels upside down",
+        "scene::bitmap",
+        "bitmap_repeat(-uv.y, height)",
+        "bitmap_repeat(uv.y, height)",
+        By::Kernel(Kernel::SampleBitmap),
+    ),
+    (
+        "hits on edges missed",
+        "geometry::triangle",
+        "let negative = e0 < 0.0f ||",
+        "let negative = e0 <= 0.0f ||",
+        By::Kernel(Kernel::Triangle),
+    ),
+    (
+        "boxes that are entered too late",
+        "geometry::ray",
+        "const NEAR: f32 = 1.0f - 3.0f",
+        "const NEAR: f32 = 1.0f + 3.0f",
+        By::Kernel(Kernel::Slab),
+    ),
+    (
+        "forward for backward",
+        "medium::phase",
+        "var turned = wi + wo;",
+        "var turned = wi - wo;",
+        By::Kernel(Kernel::EvalPhase),
+    ),
+    (
+        "a square forgotten in the density of facets",
+        "bsdf::facets",
+        "return INV_PI / (alpha2 * k * k);",
+        "return INV_PI / (alpha2 * k);",
+        By::Kernel(Kernel::FacetsDensity),
+    ),
+    (
+        "the far plane of a node for the near one",
+        "tree::walk",
+        "let nx = (select(hx, lx, up.x)",
+        "let nx = (select(lx, hx, up.x)",
+        By::Golden("stage"),
+    ),
+    (
+        "a search for any hit that ends with the first leaf",
+        "tree::walk",
+        "if any_hit && best.primitive != TREE_NOTHING { return best; }",
+        "if any_hit { return best; }",
+        By::Golden("stage"),
+    ),
+    (
+        "the higher number among equally far hits",
+        "tree::walk",
+        "a.primitive < b.primitive",
+        "a.primitive > b.primitive",
+        By::Case("coincident_surfaces"),
+    ),
+    (
+        "a queue that loses its last slot",
+        "wavefront::path",
+        "if id >= atomicLoad(&queue[list])",
+        "if id + 1u >= atomicLoad(&queue[list])",
+        By::Invariance("invariance/white_furnace/blocks"),
+    ),
+    (
+        "roulette that does not make up for its losses",
+        "transport::path",
+        "after = after / q;",
+        "after = after;",
+        By::Case("furnace_cube"),
+    ),
+    (
+        "a shadow ray that does not end at its light",
+        "geometry::surface",
+        "Ray(start, end - start, SEGMENT_END)",
+        "Ray(start, end - start, MAX_FLOAT)",
+        By::Case("square_light"),
+    ),
+    (
+        "one edge of a path too many",
+        "transport::path",
+        "if (*state).depth < max_depth",
+        "if (*state).depth <= max_depth",
+        By::Case("furnace_after_1_bounces"),
+    ),
+    (
+        "lights that shine to both sides",
+        "transport::path",
+        "surface.light < scene_at.light_count && surface.from_front",
+        "surface.light < scene_at.light_count",
+        By::Case("disk_light"),
+    ),
+    (
+        "the cosine of the lit surface forgotten",
+        "transport::path",
+        "* math_max_number(cos, 0.0f)",
+        "* 1.0f",
+        By::Case("point_over_plane"),
+    ),
+    (
+        "barycentrics that change places",
+        "transport::surface",
+        "b0 * a + hit.b1 * b + hit.b2 * c",
+        "b0 * a + hit.b2 * b + hit.b1 * c",
+        By::Golden("terrace"),
+    ),
+];
+
+fn notice(which: impl Fn(By) -> bool) {
+    let Some(sound) = adapter::backend() else { return };
+    let mut known: Vec<By> = Vec::new();
+    let mut missed = Vec::new();
+    for (name, module, from, to, by) in MUTANTS.iter().filter(|m| which(m.4)) {
+        if !known.contains(by) {
+            assert!(by.passes(&sound), "{by:?} fails without a mistake");
+            known.push(*by);
+        }
+        let mutations = vec![Mutation { module, from, to }];
+        let Some(mutant) = adapter::backend_with(Options { mutations, ..Options::default() }) else { return };
+        let start = std::time::Instant::now();
+        let passes = by.passes(&mutant);
+        println!("{} {name}: {by:?}, {:.2?}", if passes { "MISSED" } else { "ok    " }, start.elapsed());
+        if passes {
+            missed.push(*name);
+        }
+    }
+    assert!(missed.is_empty(), "{missed:?}");
+}
+
+#[test]
+fn kernels_notice_mistakes() {
+    notice(|by| matches!(by, By::Kernel(_)));
+}
+
+#[test]
+fn scenes_notice_mistakes() {
+    notice(|by| !matches!(by, By::Kernel(_)));
+}

@@ -1,0 +1,123 @@
+//! `cargo run --release -p etendue-benches --bin device [-- ADAPTER]`: rays, relighting and bytes per second of an adapter, the CPU beside it.
+//!
+//! One line for each measurement; both take turns in one run, and medians are told. `ADAPTER` is a part of the adapter's name
+//! (`etendue adapters`); without it the best one is taken.
+#![allow(clippy::disallowed_methods, reason = "a program that prints")]
+
+use etendue::core::backend::{Backend, NoControl, PathJob, Session, image_film_settings};
+use etendue::core::film::Film;
+use etendue::core::radiosity::patches::PatchSettings;
+use etendue::core::scene::{CompiledScene, compile};
+use etendue::driver::Silent;
+use etendue::driver::radiosity::{BakeSettings, Codec, Rooms, bake};
+use etendue::engine::{BackendKind, open_backend_on};
+use etendue::io::load_scene;
+use etendue_benches::timing::median;
+use std::error::Error;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+const TURNS: usize = 5;
+/// Pixels a side and samples of a pixel: about ten million rays.
+const SIDE: u32 = 128;
+const SAMPLES: u32 = 32;
+/// Patches of the operator that is relit.
+const PATCHES: u32 = 8192;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn scene(file: &str) -> Outcome<Arc<CompiledScene>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(file);
+    let (mut scene, _) = compile(&load_scene(&path)?.desc)?;
+    scene.camera = scene.camera.map(|c| c.with_resolution(SIDE, SIDE));
+    Ok(Arc::new(scene))
+}
+
+/// Rays a second of an image by paths.
+fn rays(session: &dyn Session, seed: u64) -> Outcome<(f64, Film)> {
+    let job = PathJob { seed, block_length: 16, blocks: 0..SAMPLES / 16, max_depth: u32::MAX };
+    let mut film = Film::new(image_film_settings(session.scene(), &job)?);
+    let start = Instant::now();
+    let stats = session.path_image(&job, &NoControl, &mut film)?;
+    Ok((stats.rays as f64 / start.elapsed().as_secs_f64(), film))
+}
+
+fn print(what: &str, unit: &str, [ours, cpu]: [f64; 2], more: &str) {
+    println!("{what}: {ours:.2} {unit}, cpu {cpu:.2} {unit}, ratio {:.3}{more}", ours / cpu);
+}
+
+fn main() -> Outcome<()> {
+    let wanted = std::env::args().nth(1);
+    let device = open_backend_on(BackendKind::Wgpu, None, wanted.as_deref())?;
+    let cpu = open_backend_on(BackendKind::Cpu, None, None)?;
+    println!("{} beside {}", device.info().adapter, cpu.info().adapter);
+    let pair = [&*device, &*cpu];
+    for file in ["cornell/closed.toml", "colonnade/lamps.toml"] {
+        paths(file, pair)?;
+    }
+    relight(pair)
+}
+
+fn paths(file: &str, pair: [&dyn Backend; 2]) -> Outcome<()> {
+    let scene = scene(file)?;
+    let sessions = [pair[0].open(scene.clone())?, pair[1].open(scene)?];
+    let mut found = [Vec::new(), Vec::new()];
+    let mut equal = true;
+    // The first turn makes pipelines and is not counted.
+    for turn in 0..=TURNS {
+        let mut films = Vec::new();
+        for (session, found) in sessions.iter().zip(&mut found) {
+            let (rate, film) = rays(&**session, turn as u64)?;
+            films.push(film);
+            if turn > 0 {
+                found.push(1e-6 * rate);
+            }
+        }
+        equal &= films[0] == films[1];
+    }
+    let films = if equal { "; films equal to the last bit" } else { "; films differ in bits" };
+    print(&format!("paths, {file}"), "M rays/s", found.map(median), films);
+    Ok(())
+}
+
+fn relight(pair: [&dyn Backend; 2]) -> Outcome<()> {
+    let scene = scene("colonnade/lamps.toml")?;
+    let sessions = [pair[0].open(scene.clone())?, pair[1].open(scene)?];
+    let settings = BakeSettings {
+        patches: PatchSettings { count: PATCHES, seed: 0 },
+        rays: 256,
+        codec: Codec::Auto { max_error: 0.01 },
+        ..BakeSettings::default()
+    };
+    let baked = bake(&*sessions[1], &settings, &Silent)?;
+    let n = baked.operator.map.patches.len();
+    let (passes, bytes) = (baked.operator.passes, baked.operator.bytes());
+    let mut found = [Vec::new(), Vec::new()];
+    let mut worst = 0.0_f64;
+    for turn in 0..=TURNS {
+        let light = vec![[1.0 + turn as f32, 2.0, 3.0]; n];
+        let mut irradiance = [vec![[0.0_f32; 3]; n], vec![[0.0_f32; 3]; n]];
+        for ((session, found), out) in sessions.iter().zip(&mut found).zip(&mut irradiance) {
+            let mut rooms = Rooms::default();
+            let start = Instant::now();
+            baked.operator.transport.relight(&**session, (&light, &[]), out, passes, &mut rooms)?;
+            if turn > 0 {
+                found.push(1e3 * start.elapsed().as_secs_f64());
+            }
+        }
+        let largest = irradiance[1].as_flattened().iter().fold(0.0_f32, |m, x| m.max(*x));
+        let pairs = irradiance[0].as_flattened().iter().zip(irradiance[1].as_flattened());
+        worst = pairs.fold(worst, |m, (a, b)| m.max(f64::from((a - b).abs() / largest)));
+    }
+    let ms = found.map(median);
+    let rate = |ms: f64| 1e-6 * bytes as f64 * f64::from(passes) / ms;
+    let more = format!(
+        "; {:.2} and {:.2} GB/s of the operator's {:.1} MB, {passes} passes; largest difference {worst:.1e} of the largest irradiance",
+        rate(ms[0]),
+        rate(ms[1]),
+        1e-6 * bytes as f64
+    );
+    print(&format!("relight, {n} patches"), "ms", ms, &more);
+    Ok(())
+}
