@@ -115,4 +115,6 @@ fn run(
 }
 
 #[cfg(test)]
+mod sums;
+#[cfg(test)]
 mod twins;

@@ -6,6 +6,7 @@
 //! On Vulkan the shaders keep their arithmetic as written, and where division and square root are correctly rounded, results have
 //! the bits of the CPU. Elsewhere they agree within the tolerances of `etendue-conformance`.
 
+mod display;
 mod gpu;
 mod kernels;
 mod relight;
@@ -18,9 +19,10 @@ mod adapter;
 #[cfg(test)]
 extern crate self as etendue_wgpu;
 
-pub use gpu::{AdapterName, adapters};
+pub use display::Picture;
+pub use gpu::{AdapterName, Bc1Texture, adapters};
 pub use relight::{BlocksOperator, Operator};
-pub use session::{PathTask, Step, WgpuSession};
+pub use session::{DirectTask, PathTask, Step, WgpuSession};
 pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;
@@ -109,6 +111,14 @@ impl WgpuBackend {
     /// Whether shaders keep their arithmetic as written, so that sums and products have the CPU's bits.
     pub fn is_exact(&self) -> bool {
         self.source.gpu().is_exact()
+    }
+
+    /// How the device decodes textures of BC1. The first call tries it; the answer is kept.
+    ///
+    /// # Errors
+    /// The device's.
+    pub fn bc1_texture(&self) -> Result<Bc1Texture, BackendError> {
+        self.source.run(|gpu| gpu.bc1_texture())
     }
 
     /// The relighter on the device, where the last one that was asked for stays.

@@ -141,7 +141,6 @@ fn all_at_once(coloured: bool) -> SceneDesc {
             focus_distance: 1.2,
             ..etendue_conformance::scenes::camera([0.1, -0.95, 0.1], [0.0, 0.2, -0.1], 90.0, [24, 18])
         }),
-        ..SceneDesc::default()
     }
 }
 

@@ -1,13 +1,14 @@
 //! Paths on the device: waves of slots, small submissions, and block means that the host adds up as the CPU does.
 
 use super::scene::SceneBuffers;
+use super::task::{Pace, Step, Task, WORKGROUP, is_played};
 use super::wave::{Form, PathStart, Wave};
 use crate::gpu::{Buffer, Gpu, Pending};
 use etendue_core::backend::{BackendError, JobStats, PathJob};
 use etendue_core::film::Film;
 use etendue_core::scene::CompiledScene;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Words that the host reads of each: what was measured, and rays.
 const READ: u64 = 4;
@@ -15,30 +16,10 @@ const READ: u64 = 4;
 const JOB_WORDS: usize = 16;
 /// Words before the lists of a queue.
 const QUEUE_HEAD: u64 = 4;
-/// Invocations of a workgroup, as the shaders have it.
-const WORKGROUP: u32 = 64;
 /// Slots of a wave on a device of its own, and on one that the processor plays.
 const SLOTS: [u64; 2] = [1 << 18, 1 << 15];
-/// How long one submission should keep the device: a desktop goes on meanwhile.
-const SUBMISSION: Duration = Duration::from_millis(25);
 /// Steps of one submission at most.
-const STEPS_MAX: u32 = 64;
-
-/// How far a task is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
-    /// The device is at work; come back.
-    Working,
-    /// Something was added: `done` of `total` blocks of samples of elements.
-    Progress {
-        /// Finished.
-        done: u64,
-        /// In all.
-        total: u64,
-    },
-    /// All is in the film.
-    Done,
-}
+const STEPS_MAX: u64 = 64;
 
 /// What a submission left to be read.
 #[derive(Debug)]
@@ -77,7 +58,8 @@ pub struct PathTask {
     /// Where the next part begins, in units and in samples of its first one.
     next: (u64, u32),
     running: Option<(Part, Waiting)>,
-    steps: u32,
+    /// Of steps.
+    pace: Pace,
     elements: u64,
     /// Sums of the unit that is cut by a wave's end, and means of the block that is not yet whole.
     sum: [f64; 3],
@@ -111,22 +93,8 @@ impl PathTask {
             let queue = gpu.room("queue", QUEUE_HEAD + 2 * slots)?;
             let groups = gpu.room("groups", 4)?;
             let uniform = gpu.uniform("job", &[0; JOB_WORDS]);
-            let [near, far] = &buffers.texels;
-            let [blocks, more] = &buffers.blocks;
-            let bound = [
-                &buffers.offsets,
-                &uniform,
-                &buffers.nodes,
-                blocks,
-                more,
-                &buffers.arena,
-                near,
-                &states,
-                &queue,
-                far,
-            ];
             // The three pipelines have one layout in content; each its own object.
-            let group = gpu.bind(&wave.start, &bound);
+            let group = gpu.bind(&wave.start, &buffers.bound(&uniform, [&states, &queue]));
             let turn_group = gpu.bind(&wave.turn, &[&queue, &groups]);
             Ok(Self {
                 gpu: gpu.clone(),
@@ -143,7 +111,7 @@ impl PathTask {
                 turn_group,
                 next: (0, 0),
                 running: None,
-                steps: 4,
+                pace: Pace::new(4, STEPS_MAX),
                 elements,
                 sum: [0.0; 3],
                 means: Vec::new(),
@@ -188,7 +156,7 @@ impl PathTask {
         };
         match waiting {
             Waiting::Queue(_, sent) => {
-                self.pace(sent.elapsed());
+                self.pace.took(self.pace.amount(), sent.elapsed());
                 let asking = words.get(words.get(2).map_or(0, |turn| *turn as usize & 1)).copied();
                 let next = if asking == Some(0) { self.read() } else { self.go_on() };
                 self.running = Some((part, next));
@@ -198,15 +166,6 @@ impl PathTask {
                 self.take(part, &words)?;
                 Ok(Step::Progress { done: self.done(), total: self.total() })
             }
-        }
-    }
-
-    /// More steps where a submission was short, fewer where it was long.
-    fn pace(&mut self, took: Duration) {
-        if took < SUBMISSION / 2 {
-            self.steps = (self.steps * 2).min(STEPS_MAX);
-        } else if took > SUBMISSION * 2 {
-            self.steps = (self.steps / 2).max(1);
         }
     }
 
@@ -289,7 +248,7 @@ impl PathTask {
 
     fn steps_into(&self, mut encoder: wgpu::CommandEncoder) -> Waiting {
         self.pass(&mut encoder, |pass| {
-            for _ in 0..self.steps {
+            for _ in 0..self.pace.amount() {
                 for pipeline in [&self.wave.trace, &self.wave.advance] {
                     pass.set_pipeline(&pipeline.raw);
                     pass.set_bind_group(0, &self.group, &[]);
@@ -347,13 +306,22 @@ impl PathTask {
     }
 }
 
+impl Task for PathTask {
+    fn step(&mut self, wait: bool) -> Result<Step, BackendError> {
+        Self::step(self, wait)
+    }
+
+    fn finish(self) -> (Film, JobStats) {
+        Self::finish(self)
+    }
+}
+
 /// Slots of a wave, of so many rows: what the job has use for, and what fits beside `more` words.
 fn slots(gpu: &Gpu, rows: u64, paths: u64, more: u64) -> Result<u64, BackendError> {
-    let software = gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let [own, played] = SLOTS;
     let wanted = paths
         .next_multiple_of(u64::from(WORKGROUP))
-        .clamp(u64::from(WORKGROUP), if software { played } else { own });
+        .clamp(u64::from(WORKGROUP), if is_played(gpu) { played } else { own });
     let words = gpu.binding_bytes() / 4;
     let fit = words.saturating_sub(more) / rows / u64::from(WORKGROUP) * u64::from(WORKGROUP);
     let fit = fit.min(gpu.dispatch_items(WORKGROUP));

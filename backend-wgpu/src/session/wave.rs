@@ -2,6 +2,7 @@
 
 use super::features;
 use super::scene::OFFSETS;
+use super::task::bindings;
 use crate::gpu::{Binding, Gpu, Pipeline, PipelineKey};
 use crate::shaders::Link;
 use etendue_core::backend::BackendError;
@@ -66,19 +67,6 @@ pub(crate) struct Wave {
     pub(crate) turn: Arc<Pipeline>,
 }
 
-const BINDINGS: [Binding; 10] = [
-    Binding::Uniform,
-    Binding::Uniform,
-    Binding::Read,
-    Binding::Read,
-    Binding::Read,
-    Binding::Read,
-    Binding::Read,
-    Binding::Write,
-    Binding::Write,
-    Binding::Read,
-];
-
 impl Wave {
     pub(crate) fn new(
         gpu: &Gpu,
@@ -91,7 +79,8 @@ impl Wave {
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use {module}\n");
         let name = format!("path {} stack {stack}", features.join(" "));
         let link = Link { root: &root, features: &features, mutations: &[] };
-        let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &BINDINGS);
+        let bindings = bindings([Binding::Write, Binding::Write]);
+        let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &bindings);
         let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
         let key = PipelineKey { name: "turn".into(), entry: "turn" };
         Ok(Self {
