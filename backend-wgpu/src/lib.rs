@@ -29,7 +29,7 @@ pub use wgpu;
 
 use etendue_core::backend::{Arithmetic, Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::Kernel;
-use etendue_core::radiosity::blocks::BlockOperator;
+use etendue_core::radiosity::blocks::{BlockOperator, Format};
 use etendue_core::radiosity::relight::Relighter;
 use etendue_core::scene::CompiledScene;
 use gpu::Source;
@@ -137,6 +137,20 @@ impl WgpuBackend {
     #[doc(hidden)]
     pub fn blocks_operator(&self, operator: &BlockOperator) -> Result<Arc<BlocksOperator>, BackendError> {
         self.source.run(|gpu| self.prepared.blocks(gpu, operator))
+    }
+
+    /// The same with blocks in a texture, by whatever rule the device decodes it. They are made anew each time.
+    ///
+    /// # Errors
+    /// As [`Self::operator`]; or blocks that are not BC1, or a device without such textures.
+    #[doc(hidden)]
+    pub fn texture_operator(&self, operator: &BlockOperator) -> Result<BlocksOperator, BackendError> {
+        self.source.run(|gpu| {
+            if operator.parts().format != Format::Bc1 || gpu.bc1_texture()? == Bc1Texture::Missing {
+                return Err(unsupported("textures of these blocks"));
+            }
+            BlocksOperator::new(gpu, operator, relight::Decoder::Texture)
+        })
     }
 
     /// Destroys the device, as if it had been lost.

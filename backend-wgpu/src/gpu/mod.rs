@@ -9,6 +9,7 @@ mod request;
 mod source;
 
 pub use bc1::Bc1Texture;
+pub(crate) use bc1::BlockTexture;
 pub(crate) use buffers::{Buffer, Pending};
 pub(crate) use pipelines::{Binding, Pipeline, PipelineKey};
 use request::request;
