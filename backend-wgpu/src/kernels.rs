@@ -12,7 +12,7 @@ const SLICE: u64 = 1 << 16;
 
 /// Kernels have all of the code: no scene says what it does without.
 pub(crate) const FEATURES: &[&str] =
-    &["LOBES", "TEXTURES", "SHADING", "SHAPES", "ENVIRONMENT_MAP", "GRIDS", "COLOURED_GRIDS"];
+    &["LOBES", "TEXTURES", "SHADING", "SHAPES", "ENVIRONMENT_MAP", "VOLUME", "GRIDS", "COLOURED_GRIDS"];
 
 /// The file that has a kernel's adaptor: core's `evaluate` in WGSL.
 fn adaptor(kernel: Kernel) -> String {
@@ -114,5 +114,7 @@ fn run(
     })
 }
 
+#[cfg(test)]
+mod sums;
 #[cfg(test)]
 mod twins;

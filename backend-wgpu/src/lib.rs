@@ -6,6 +6,7 @@
 //! On Vulkan the shaders keep their arithmetic as written, and where division and square root are correctly rounded, results have
 //! the bits of the CPU. Elsewhere they agree within the tolerances of `etendue-conformance`.
 
+mod display;
 mod gpu;
 mod kernels;
 mod relight;
@@ -18,16 +19,17 @@ mod adapter;
 #[cfg(test)]
 extern crate self as etendue_wgpu;
 
-pub use gpu::{AdapterName, adapters};
+pub use display::Picture;
+pub use gpu::{AdapterName, Bc1Texture, adapters};
 pub use relight::{BlocksOperator, Operator};
-pub use session::{PathTask, Step, WgpuSession};
+pub use session::{DirectTask, PathTask, Step, WgpuSession};
 pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;
 
 use etendue_core::backend::{Arithmetic, Backend, BackendError, BackendInfo, Capabilities, Session};
 use etendue_core::kernel::Kernel;
-use etendue_core::radiosity::blocks::BlockOperator;
+use etendue_core::radiosity::blocks::{BlockOperator, Format};
 use etendue_core::radiosity::relight::Relighter;
 use etendue_core::scene::CompiledScene;
 use gpu::Source;
@@ -111,6 +113,14 @@ impl WgpuBackend {
         self.source.gpu().is_exact()
     }
 
+    /// How the device decodes textures of BC1. The first call tries it; the answer is kept.
+    ///
+    /// # Errors
+    /// The device's.
+    pub fn bc1_texture(&self) -> Result<Bc1Texture, BackendError> {
+        self.source.run(|gpu| gpu.bc1_texture())
+    }
+
     /// The relighter on the device, where the last one that was asked for stays.
     ///
     /// # Errors
@@ -129,6 +139,20 @@ impl WgpuBackend {
         self.source.run(|gpu| self.prepared.blocks(gpu, operator))
     }
 
+    /// The same with blocks in a texture, by whatever rule the device decodes it. They are made anew each time.
+    ///
+    /// # Errors
+    /// As [`Self::operator`]; or blocks that are not BC1, or a device without such textures.
+    #[doc(hidden)]
+    pub fn texture_operator(&self, operator: &BlockOperator) -> Result<BlocksOperator, BackendError> {
+        self.source.run(|gpu| {
+            if operator.parts().format != Format::Bc1 || gpu.bc1_texture()? == Bc1Texture::Missing {
+                return Err(unsupported("textures of these blocks"));
+            }
+            BlocksOperator::new(gpu, operator, relight::Decoder::Texture)
+        })
+    }
+
     /// Destroys the device, as if it had been lost.
     #[doc(hidden)]
     pub fn lose_device(&self) {
@@ -143,7 +167,7 @@ impl Backend for WgpuBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, kernels: true, ..Capabilities::default() }
+        Capabilities { path: true, volume: true, kernels: true, ..Capabilities::default() }
     }
 
     fn arithmetic(&self) -> Arithmetic {

@@ -157,16 +157,16 @@ const MUTANTS: &[Mutant] = &[
     ),
     (
         "a queue that loses its last slot",
-        "wavefront::path",
+        "wavefront::slots",
         "if id >= atomicLoad(&queue[list])",
         "if id + 1u >= atomicLoad(&queue[list])",
         By::Invariance("invariance/white_furnace/blocks"),
     ),
     (
         "roulette that does not make up for its losses",
-        "transport::path",
-        "after = after / q;",
-        "after = after;",
+        "transport::back",
+        "survive < q, after / q",
+        "survive < q, after",
         By::Case("furnace_cube"),
     ),
     (
@@ -185,7 +185,7 @@ const MUTANTS: &[Mutant] = &[
     ),
     (
         "lights that shine to both sides",
-        "transport::path",
+        "transport::back",
         "surface.light < scene_at.light_count && surface.from_front",
         "surface.light < scene_at.light_count",
         By::Case("disk_light"),
@@ -203,6 +203,34 @@ const MUTANTS: &[Mutant] = &[
         "b0 * a + hit.b1 * b + hit.b2 * c",
         "b0 * a + hit.b2 * b + hit.b1 * c",
         By::Golden("terrace"),
+    ),
+    (
+        "a medium that is left for entered",
+        "medium::inside",
+        "select(before, behind, to_back)",
+        "select(behind, before, to_back)",
+        By::Case("media/glow"),
+    ),
+    (
+        "panes that hide nothing of a light",
+        "transport::volume",
+        "if straight.found { (*state).carried *= straight.transmit; }",
+        "",
+        By::Case("media/plate_1.5_60_lit"),
+    ),
+    (
+        "connections that end at the first boundary",
+        "transport::volume",
+        "(*state).crossed += 1u;\n    return true;",
+        "(*state).crossed += 1u;\n    return false;",
+        By::Case("media/single_1_reflected"),
+    ),
+    (
+        "values of grids from the start of the texels",
+        "medium::grid",
+        "let at = grid.first_value + 3u * index;",
+        "let at = 3u * index + 1u;",
+        By::Case("media/grid_ramp"),
     ),
 ];
 
@@ -233,6 +261,7 @@ fn kernels_notice_mistakes() {
 }
 
 #[test]
+#[ignore = "minutes: cargo nextest run -p etendue-wgpu --run-ignored only scenes_notice"]
 fn scenes_notice_mistakes() {
     notice(|by| !matches!(by, By::Kernel(_)));
 }

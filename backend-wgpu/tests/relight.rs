@@ -3,13 +3,14 @@
 mod adapter;
 
 use adapter::{backend, backend_with, exact_with};
-use etendue_core::backend::{Backend, BackendError};
+use etendue_core::backend::{Arithmetic, Backend, BackendError};
+use etendue_core::codec::bc1::Rule;
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator, Settings};
 use etendue_core::radiosity::form_factors::{FormFactors, balance};
 use etendue_core::radiosity::relight::{CoarseParts, Portable, RelightError, Relighter, Workspace};
 use etendue_core::radiosity::tiles::{Kind, Rates};
 use etendue_core::sampling::counter::Counter;
-use etendue_wgpu::{Mutation, Options, WgpuBackend, wgpu};
+use etendue_wgpu::{Bc1Texture, BlocksOperator, Mutation, Options, WgpuBackend, wgpu};
 
 /// Patches of random areas that see each other by smooth and by local parts, some of them not at all; sums of rows are `sum`.
 fn form_factors(n: usize, sum: f64) -> FormFactors {
@@ -93,7 +94,7 @@ fn agree(backend: &WgpuBackend, found: &[[f32; 3]], truth: &[[f32; 3]], what: &s
         || what.starts_with("Empty")
         || what.starts_with("None") && what.contains(" 0 passes");
     assert!(largest > 0.0 || dark, "{what}: all is dark");
-    if backend.info().adapter.contains("llvmpipe") {
+    if backend.arithmetic() == Arithmetic::Ieee {
         assert_eq!(equal, found.len(), "{what}");
     }
 }
@@ -288,10 +289,13 @@ fn a_lost_device_is_told_and_replaced() {
 }
 
 fn compare_blocks(backend: &WgpuBackend, made: &BlockOperator, what: &str) {
+    compare_blocks_with(backend, &backend.blocks_operator(made).unwrap(), made, what);
+}
+
+fn compare_blocks_with(backend: &WgpuBackend, operator: &BlocksOperator, made: &BlockOperator, what: &str) {
     let n = made.len();
     let (direct, mut emission) = (lit(n), vec![[0.0; 3]; n]);
     emission[n / 2] = [1.0, 2.0, 3.0];
-    let operator = backend.blocks_operator(made).unwrap();
     let mut room = blocks::Workspace::default();
     for emission in [&emission[..], &[]] {
         let (mut truth, mut found) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
@@ -333,6 +337,70 @@ fn blocks_that_exceed_a_binding_come_in_parts() {
         let Some(cramped) = narrow(20_000) else { return };
         let refused = cramped.blocks_operator(&made).map(|_| ());
         assert!(matches!(refused, Err(BackendError::LimitExceeded { .. })), "{refused:?}");
+    }
+}
+
+/// The same operator with endpoints alone, which every decoder of BC1 has alike.
+fn endpoints_alone(made: &BlockOperator) -> BlockOperator {
+    let mut parts = made.parts().clone();
+    for block in &mut parts.blocks {
+        // The high bit of an index chooses what lies between.
+        block[4..].iter_mut().for_each(|byte| *byte &= 0x55);
+    }
+    BlockOperator::from_parts(parts).unwrap()
+}
+
+#[test]
+fn textures_of_blocks_give_what_the_shader_decodes() {
+    let Some(backend) = backend() else { return };
+    let texture = backend.bc1_texture().unwrap();
+    if let Bc1Texture::Wrong | Bc1Texture::Missing = texture {
+        eprintln!("SKIPPED: {} has no textures of BC1 ({texture:?})", backend.info().adapter);
+        return;
+    }
+    for n in [5, 203, 600] {
+        let f = form_factors(n, 0.9);
+        for settings in [Settings::published(3), Settings { half: true, ..Settings::mended() }] {
+            let made = BlockOperator::encode(&Portable, &f, &albedo(n, 0.6), &settings).unwrap();
+            let plain = endpoints_alone(&made);
+            let operator = backend.texture_operator(&plain).unwrap();
+            compare_blocks_with(&backend, &operator, &plain, "endpoints of textures");
+            if texture == Bc1Texture::Rule(Rule::Nearest) {
+                compare_blocks(&backend, &made, "textures");
+            }
+        }
+    }
+    let f = form_factors(40, 0.9);
+    let one = BlockOperator::encode(&Portable, &f, &albedo(40, 0.6), &Settings::bounced(2)).unwrap();
+    assert!(matches!(backend.texture_operator(&one), Err(BackendError::Unsupported { .. })));
+}
+
+/// Times of both decoders side by side.
+#[test]
+#[ignore = "a measurement"]
+fn textures_of_blocks_take_as_long() {
+    let Some(backend) = backend() else { return };
+    let n = 4096;
+    let made = BlockOperator::encode(
+        &Portable,
+        &form_factors(n, 0.97),
+        &albedo(n, 0.6),
+        &Settings { order: blocks::Order::Patches, ..Settings::published(2) },
+    );
+    let made = endpoints_alone(&made.unwrap());
+    let (direct, mut found) = (lit(n), vec![[0.0; 3]; n]);
+    let operators =
+        [Ok(backend.blocks_operator(&made).unwrap()), Err(backend.texture_operator(&made).unwrap())];
+    for _ in 0..3 {
+        for operator in &operators {
+            let (what, operator) = match operator {
+                Ok(shader) => ("shader", &**shader),
+                Err(texture) => ("texture", texture),
+            };
+            let start = std::time::Instant::now();
+            operator.relight(&made, (&direct, &[]), &mut found).unwrap();
+            println!("{what}: {:?}", start.elapsed());
+        }
     }
 }
 

@@ -40,11 +40,13 @@ fn trios_pass() {
 }
 
 #[test]
+#[ignore = "minutes on a software device, whose films `paths` holds to the reference's bits: cargo nextest run -p etendue-wgpu --run-ignored only"]
 fn analytic_scenes_pass() {
     hold(&[Group::Analytic], Level::Quick);
 }
 
 #[test]
+#[ignore = "minutes on a software device, whose films `paths` holds to the reference's bits: cargo nextest run -p etendue-wgpu --run-ignored only"]
 fn goldens_pass() {
     hold(&[Group::Goldens], Level::Quick);
 }
@@ -54,8 +56,8 @@ fn invariances_pass() {
     hold(&[Group::Invariance], Level::Quick);
 }
 
-/// Scenes that even the slowest device has done in a second or two: every kind of light, lobes, pictures, bitmaps, round shapes, normals.
-const FEW: [&str; 10] = [
+/// Scenes that even the slowest device has done in a second or two: lights of every kind, a picture, round shapes, normals.
+const FEW: [&str; 9] = [
     "furnace_after_2_bounces",
     "light_choice",
     "shadow",
@@ -64,7 +66,6 @@ const FEW: [&str; 10] = [
     "open_floor",
     "coincident_surfaces",
     "picture_gradient",
-    "phong_albedo_10",
     "shading_normal_sky",
 ];
 
@@ -111,8 +112,8 @@ fn on_swiftshader(tests: &[&str]) {
 }
 
 #[test]
-fn numbers_pass_on_swiftshader() {
-    on_swiftshader(&["kernels_pass", "trios_pass"]);
+fn kernels_pass_on_swiftshader() {
+    on_swiftshader(&["kernels_pass"]);
 }
 
 #[test]

@@ -99,7 +99,7 @@ fn published_values_of_the_rules() {
     let at = |rule| decode_with(block(0xffff, 0, 0xe4), rule).map(|t| [t[0], t[1]]);
     assert_eq!(at(Rule::Nearest)[2..4], [[170, 170], [85, 85]]);
     assert_eq!(at(Rule::Truncated)[2..4], [[170, 170], [85, 85]]);
-    assert_eq!(at(Rule::Mesa)[2..4], [[170, 170], [84, 84]]);
+    assert_eq!(at(Rule::Mesa)[2..4], [[170, 170], [85, 85]]);
     assert_eq!(at(Rule::Amd)[2..4], [[171, 171], [84, 84]]);
     assert_eq!(at(Rule::Nvidia)[2..4], [[170, 175], [85, 80]]);
 }

@@ -4,11 +4,10 @@ use super::Meter;
 use super::sums::Sums;
 use crate::tree::Tree;
 use etendue_core::backend::{BackendError, Control, JobStats, PathJob};
-use etendue_core::direct::irradiance::primitive_block;
+use etendue_core::direct::irradiance::{flux_unit, primitive_block};
 use etendue_core::film::Film;
-use etendue_core::illumination::{Elements, FluxUnit};
+use etendue_core::illumination::Elements;
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::photon::LightPlan;
 use etendue_core::transport::volume::LightMedia;
 use rayon::prelude::*;
 
@@ -23,9 +22,7 @@ pub(crate) fn direct(
     control: &dyn Control,
     film: &mut Film,
 ) -> Result<JobStats, BackendError> {
-    // A dark scene has no direct light, and no unit to count it in.
-    let total = LightPlan::new(scene).map_or(1.0, |p| p.total().into_iter().fold(0.0, f64::max));
-    let unit = FluxUnit::new(total, 1);
+    let unit = flux_unit(scene);
     let mut sums = Sums::new(pool, elements.count());
     let mut part = Film::new(*film.settings());
     let primitives = scene.primitives().count();

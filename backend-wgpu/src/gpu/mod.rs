@@ -1,12 +1,15 @@
 //! A device with its queue: pipelines that are made once, buffers, and answers that come back.
 
 mod arithmetic;
+mod bc1;
 mod buffers;
 mod exact;
 mod pipelines;
 mod request;
 mod source;
 
+pub use bc1::Bc1Texture;
+pub(crate) use bc1::BlockTexture;
 pub(crate) use buffers::{Buffer, Pending};
 pub(crate) use pipelines::{Binding, Pipeline, PipelineKey};
 use request::request;
@@ -26,6 +29,8 @@ pub(crate) struct Gpu {
     pub(crate) name: String,
     pub(crate) limits: wgpu::Limits,
     pipelines: Mutex<Pipelines>,
+    /// How textures of BC1 decode, once somebody asked.
+    bc1: OnceLock<Bc1Texture>,
     mutations: Vec<Mutation>,
     arithmetic: OnceLock<Arithmetic>,
 }
@@ -46,6 +51,7 @@ impl Gpu {
             name,
             limits,
             pipelines: Mutex::default(),
+            bc1: OnceLock::new(),
             mutations,
             arithmetic: OnceLock::new(),
         }

@@ -12,6 +12,26 @@ pub(crate) enum Binding {
     Uniform,
     Read,
     Write,
+    /// Layers of a texture whose texels are loaded.
+    Texture,
+}
+
+impl Binding {
+    fn kind(self) -> wgpu::BindingType {
+        let ty = match self {
+            Self::Uniform => wgpu::BufferBindingType::Uniform,
+            Self::Read => wgpu::BufferBindingType::Storage { read_only: true },
+            Self::Write => wgpu::BufferBindingType::Storage { read_only: false },
+            Self::Texture => {
+                return wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                    view_dimension: wgpu::TextureViewDimension::D2Array,
+                    multisampled: false,
+                };
+            }
+        };
+        wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+    }
 }
 
 /// A pipeline and the layout of its one bind group.
@@ -74,15 +94,7 @@ impl Gpu {
             .map(|(i, b)| wgpu::BindGroupLayoutEntry {
                 binding: i as u32,
                 visibility: wgpu::ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer {
-                    ty: match b {
-                        Binding::Uniform => wgpu::BufferBindingType::Uniform,
-                        Binding::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                        Binding::Write => wgpu::BufferBindingType::Storage { read_only: false },
-                    },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
+                ty: b.kind(),
                 count: None,
             })
             .collect();
@@ -108,10 +120,20 @@ impl Gpu {
 
     /// Binds buffers in the order of their numbers.
     pub(crate) fn bind(&self, pipeline: &Pipeline, buffers: &[&Buffer]) -> wgpu::BindGroup {
-        let entries: Vec<_> = buffers
+        let resources: Vec<_> = buffers.iter().map(|b| b.raw.as_entire_binding()).collect();
+        self.bind_all(pipeline, &resources)
+    }
+
+    /// Binds buffers and textures in the order of their numbers.
+    pub(crate) fn bind_all(
+        &self,
+        pipeline: &Pipeline,
+        resources: &[wgpu::BindingResource<'_>],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = resources
             .iter()
-            .enumerate()
-            .map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32, resource: b.raw.as_entire_binding() })
+            .zip(0..)
+            .map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
             .collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,

@@ -91,6 +91,7 @@ pub(super) async fn request(wanted: Option<&str>) -> Result<(wgpu::Device, wgpu:
     let required = wgpu::Limits {
         max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
         max_buffer_size: limits.max_buffer_size,
+        max_texture_dimension_2d: limits.max_texture_dimension_2d,
         ..wgpu::Limits::downlevel_defaults().using_alignment(limits.clone()).or_worse_values_from(&limits)
     };
     let required = wgpu::Limits {

@@ -3,9 +3,10 @@
 use super::blocks_layout::{Part, cut, row_start};
 use super::product::Dispatch;
 use super::{ANOTHER, SUBMIT_BYTES, spread, words};
-use crate::gpu::{Binding, Buffer, Gpu, PipelineKey};
+use crate::gpu::{Bc1Texture, Binding, BlockTexture, Buffer, Gpu, PipelineKey};
 use crate::shaders::Link;
 use etendue_core::backend::BackendError;
+use etendue_core::codec::bc1::{Block, Rule};
 use etendue_core::radiosity::Identity;
 use etendue_core::radiosity::blocks::{
     BlockError, BlockOperator, Entries, Format, Parts, Quad, SIDE, block_rows,
@@ -34,9 +35,63 @@ pub struct BlocksOperator {
     turn: Mutex<()>,
 }
 
+/// Who decodes blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Decoder {
+    /// The shader: by core's rule on every device.
+    Shader,
+    /// The device, of a texture.
+    Texture,
+}
+
+impl Decoder {
+    /// A texture where the device follows the rule by which operators are made.
+    pub(super) fn of(gpu: &Gpu, operator: &BlockOperator) -> Result<Self, BackendError> {
+        if operator.parts().format == Format::Bc1 && gpu.bc1_texture()? == Bc1Texture::Rule(Rule::Nearest) {
+            return Ok(Self::Texture);
+        }
+        Ok(Self::Shader)
+    }
+}
+
+/// Blocks of a part.
+enum Stored {
+    Words(Buffer),
+    Texture(BlockTexture),
+}
+
+impl Stored {
+    fn new(gpu: &Gpu, blocks: &[Block], decoder: Decoder) -> Result<Self, BackendError> {
+        Ok(match decoder {
+            Decoder::Shader => {
+                let words: Vec<u32> = bytemuck::pod_collect_to_vec(blocks.as_flattened());
+                Self::Words(gpu.upload("blocks", &words)?)
+            }
+            Decoder::Texture => Self::Texture(gpu.bc1_blocks("blocks", blocks)?),
+        })
+    }
+
+    fn resource(&self) -> wgpu::BindingResource<'_> {
+        match self {
+            Self::Words(buffer) => buffer.raw.as_entire_binding(),
+            Self::Texture(texture) => wgpu::BindingResource::TextureView(&texture.view),
+        }
+    }
+
+    fn side(&self) -> u32 {
+        match self {
+            Self::Words(_) => 0,
+            Self::Texture(texture) => texture.side,
+        }
+    }
+}
+
 /// What the shader is made for.
-fn features(parts: &Parts) -> Vec<&'static str> {
+fn features(parts: &Parts, decoder: Decoder) -> Vec<&'static str> {
     let mut features = Vec::new();
+    if decoder == Decoder::Texture {
+        features.push("TEXTURE");
+    }
     if parts.format == Format::Bc4 {
         features.push("BC4");
     }
@@ -53,14 +108,18 @@ fn features(parts: &Parts) -> Vec<&'static str> {
 fn product(
     gpu: &Gpu,
     operator: &BlockOperator,
+    decoder: Decoder,
     cut: &[Part],
     [x, y]: [&Buffer; 2],
 ) -> Result<(Vec<Dispatch>, u64), BackendError> {
     let parts = operator.parts();
-    let features = features(parts);
+    let features = features(parts, decoder);
     let name = format!("relight::blocks {}", features.join(" "));
     let mut bindings = [Binding::Read; 8];
     (bindings[0], bindings[7]) = (Binding::Uniform, Binding::Write);
+    if decoder == Decoder::Texture {
+        bindings[2] = Binding::Texture;
+    }
     let pipeline = |entry: &'static str| {
         let link = Link { root: "//: use relight::blocks", features: &features, mutations: &[] };
         gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &bindings)
@@ -74,20 +133,22 @@ fn product(
     for Part { first, count, row_starts, kept, column_starts, sent } in cut {
         let end = first + count;
         let shape = [block_rows(operator.len()), *first, *count, operator.len()].map(|x| x as u32);
-        let shape = gpu.uniform("part of blocks", &[&shape[..], &[unit.to_bits(), 0, 0, 0]].concat());
         let blocks = &parts.blocks[row_start(parts, *first)..row_start(parts, end)];
-        let blocks: Vec<u32> = bytemuck::pod_collect_to_vec(blocks.as_flattened());
-        let blocks = gpu.upload("blocks", &blocks)?;
+        let stored = Stored::new(gpu, blocks, decoder)?;
+        let shape = [&shape[..], &[unit.to_bits(), stored.side(), 0, 0]].concat();
+        let shape = gpu.uniform("part of blocks", &shape);
         let kept = gpu.upload("kept entries", kept)?;
         let sent = gpu.upload("kept entries of columns", sent.as_flattened())?;
         let mut add = |entry: &'static str, starts: &[u32], groups: u32| -> Result<(), BackendError> {
             let pipeline = pipeline(entry)?;
             let starts = gpu.upload("starts of kept entries", starts)?;
-            let buffers = [&shape, &lookup, &blocks, &starts, &kept, &sent, x, y];
-            let group = gpu.bind(&pipeline, &buffers);
+            let mut resources =
+                [&shape, &lookup, &lookup, &starts, &kept, &sent, x, y].map(|b| b.raw.as_entire_binding());
+            resources[2] = stored.resource();
+            let group = gpu.bind_all(&pipeline, &resources);
             let [gx, gy] = spread(gpu, groups);
             dispatches.push(Dispatch { pipeline, group, groups: [gx, gy, 1] });
-            bytes += blocks.raw.size() + kept.raw.size();
+            bytes += blocks.as_flattened().len() as u64 + kept.raw.size();
             Ok(())
         };
         // Rows of a part before its columns, parts in order: so sums are in core's order.
@@ -104,11 +165,15 @@ impl BlocksOperator {
     ///
     /// # Errors
     /// [`BackendError::LimitExceeded`] where a stripe of blocks exceeds a binding; what the device refuses.
-    pub(crate) fn new(gpu: &Arc<Gpu>, operator: &BlockOperator) -> Result<Self, BackendError> {
-        gpu.scoped(|| Self::make(gpu, operator))
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        operator: &BlockOperator,
+        decoder: Decoder,
+    ) -> Result<Self, BackendError> {
+        gpu.scoped(|| Self::make(gpu, operator, decoder))
     }
 
-    fn make(gpu: &Arc<Gpu>, operator: &BlockOperator) -> Result<Self, BackendError> {
+    fn make(gpu: &Arc<Gpu>, operator: &BlockOperator, decoder: Decoder) -> Result<Self, BackendError> {
         let view = operator.view();
         let rows = block_rows(operator.len());
         let numbers = (rows * 3 * SIDE) as u64;
@@ -128,7 +193,7 @@ impl BlocksOperator {
         };
         let (first, next, last) = (step("bounce_first")?, step("bounce_next")?, step("bounce_last")?);
         let cut = cut(operator.parts(), gpu.binding_bytes())?;
-        let (product, bytes) = product(gpu, operator, &cut, [&x, &y])?;
+        let (product, bytes) = product(gpu, operator, decoder, &cut, [&x, &y])?;
         Ok(Self {
             gpu: gpu.clone(),
             identity: operator.identity().clone(),

@@ -13,6 +13,7 @@ mod prepared;
 mod product;
 
 pub use blocks::BlocksOperator;
+pub(crate) use blocks::Decoder;
 pub use operator::Operator;
 pub(crate) use prepared::Prepared;
 

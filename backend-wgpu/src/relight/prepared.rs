@@ -1,5 +1,6 @@
 //! The operators that were used last: they stay on the device.
 
+use super::blocks::Decoder;
 use super::{BlocksOperator, Operator};
 use crate::gpu::Gpu;
 use etendue_core::backend::BackendError;
@@ -38,7 +39,7 @@ impl Prepared {
             return Ok(operator.clone());
         }
         *kept = None;
-        let made = Arc::new(BlocksOperator::new(gpu, operator)?);
+        let made = Arc::new(BlocksOperator::new(gpu, operator, Decoder::of(gpu, operator)?)?);
         Ok(kept.insert(made).clone())
     }
 }

@@ -1,22 +1,30 @@
 //! A scene on a device, and the jobs on it.
 
+mod direct;
+mod elements;
 mod features;
 mod path;
 mod scene;
+mod task;
+mod wave;
 
 #[cfg(test)]
 pub(crate) use scene::OFFSETS;
 
-pub(crate) use path::Target;
-pub use path::{PathTask, Step};
+pub use direct::DirectTask;
+pub use path::PathTask;
 pub(crate) use scene::SceneBuffers;
+pub use task::Step;
+pub(crate) use wave::PathStart;
 
 use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
 use crate::unsupported;
+use elements::KeptElements;
 use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes};
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::Intersector;
+use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
 use etendue_core::radiosity::patches::PatchMap;
 use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
@@ -27,6 +35,7 @@ use etendue_tree::WideTree;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use task::Task as _;
 
 /// A scene opened on a device. Its buffers are sent once, and again only to a device that replaces a lost one.
 #[derive(Debug)]
@@ -37,6 +46,7 @@ pub struct WgpuSession {
     surroundings: Surroundings,
     preparation: Vec<(&'static str, f64)>,
     sent: Mutex<Option<(Arc<Gpu>, Arc<SceneBuffers>)>>,
+    elements: KeptElements,
     operators: Prepared,
 }
 
@@ -52,6 +62,7 @@ impl WgpuSession {
             tree,
             surroundings,
             preparation: Vec::new(),
+            elements: KeptElements::default(),
             sent: Mutex::new(None),
             operators: Prepared::default(),
         };
@@ -78,11 +89,11 @@ impl WgpuSession {
         &self,
         gpu: &Arc<Gpu>,
         job: &PathJob,
-        target: Target,
+        start: PathStart,
         settings: &FilmSettings,
     ) -> Result<PathTask, BackendError> {
         let buffers = self.buffers(gpu)?;
-        PathTask::new(gpu, &self.scene, &buffers, job, target, Film::new(*settings))
+        PathTask::new(gpu, &self.scene, &buffers, job, start, Film::new(*settings))
     }
 
     /// An image as a task that never waits; [`PathTask::step`] drives it, within a host's frame loop say.
@@ -92,7 +103,7 @@ impl WgpuSession {
     pub fn path_image_task(&self, job: &PathJob) -> Result<PathTask, BackendError> {
         let settings = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
-        self.task(&self.source.gpu(), job, Target::Image { width: settings.width }, &settings)
+        self.task(&self.source.gpu(), job, self.image(settings.width), &settings)
     }
 
     /// Probes as a task that never waits.
@@ -105,45 +116,70 @@ impl WgpuSession {
         self.task(&self.source.gpu(), job, self.probes(probes)?, &settings)
     }
 
-    fn probes(&self, probes: &[Probe]) -> Result<Target, BackendError> {
-        let probes = check_probes(probes)?;
-        Ok(Target::Probes(probe_starts(&self.scene, &self.tree, self.surroundings.outside, &probes)))
+    /// Direct irradiance as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`Session::direct_irradiance`].
+    pub fn direct_task(&self, job: &PathJob, elements: &ElementSettings) -> Result<DirectTask, BackendError> {
+        let elements = self.elements(elements);
+        let settings = backend::direct_film_settings(&self.scene, &elements, job);
+        self.check_direct(job)?;
+        self.direct(&self.source.gpu(), job, &elements, &settings)
     }
 
-    /// What paths carry, and what those of this backend do.
+    fn direct(
+        &self,
+        gpu: &Arc<Gpu>,
+        job: &PathJob,
+        elements: &Arc<Elements>,
+        settings: &FilmSettings,
+    ) -> Result<DirectTask, BackendError> {
+        let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
+        DirectTask::new(gpu, &self.scene, &buffers, elements, job, Film::new(*settings))
+    }
+
+    fn check_direct(&self, job: &PathJob) -> Result<(), BackendError> {
+        job.check()?;
+        let needs = &self.scene.needs;
+        if let Some(missing) = needs.beyond_photons() {
+            return Err(BackendError::SceneNeeds { method: "photon", missing });
+        }
+        match needs.beyond_surfaces() {
+            Some(missing) => {
+                Err(unsupported(format!("direct irradiance through {missing} (the cpu backend does)")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn image(&self, width: u32) -> PathStart {
+        PathStart::Image { width, inside: self.surroundings.camera }
+    }
+
+    fn probes(&self, probes: &[Probe]) -> Result<PathStart, BackendError> {
+        let probes = check_probes(probes)?;
+        Ok(PathStart::Probes(probe_starts(&self.scene, &self.tree, self.surroundings.outside, &probes)))
+    }
+
+    /// What paths carry.
     fn check_paths(&self, job: &PathJob) -> Result<(), BackendError> {
         job.check()?;
         let needs = &self.scene.needs;
         if let Some(missing) = needs.beyond_paths() {
             return Err(BackendError::SceneNeeds { method: "path", missing });
         }
-        match needs.beyond_surfaces() {
-            Some(missing) => Err(unsupported(format!("paths through {missing} (the cpu backend does)"))),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     fn run(
         &self,
         job: &PathJob,
-        target: &Target,
+        start: &PathStart,
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
-        let (part, stats) = self.source.run(|gpu| {
-            let mut task = self.task(gpu, job, target.clone(), film.settings())?;
-            loop {
-                match task.step(true)? {
-                    Step::Working => {}
-                    Step::Progress { done, total } => {
-                        if control.advance(done, total).is_break() {
-                            return Err(BackendError::Cancelled);
-                        }
-                    }
-                    Step::Done => return Ok(task.finish()),
-                }
-            }
-        })?;
+        let (part, stats) =
+            self.source.run(|gpu| self.task(gpu, job, start.clone(), film.settings())?.drive(control))?;
         film.merge(&part)?;
         Ok(stats)
     }
@@ -165,6 +201,10 @@ impl Session for WgpuSession {
         &self.preparation
     }
 
+    fn elements(&self, settings: &ElementSettings) -> Arc<Elements> {
+        self.elements.of(&self.scene, settings)
+    }
+
     fn path_image(
         &self,
         job: &PathJob,
@@ -174,7 +214,7 @@ impl Session for WgpuSession {
         let expected = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
         same_film(film, &expected)?;
-        self.run(job, &Target::Image { width: expected.width }, control, film)
+        self.run(job, &self.image(expected.width), control, film)
     }
 
     fn path_probes(
@@ -188,6 +228,23 @@ impl Session for WgpuSession {
         self.check_paths(job)?;
         same_film(film, &expected)?;
         self.run(job, &self.probes(probes)?, control, film)
+    }
+
+    fn direct_irradiance(
+        &self,
+        job: &PathJob,
+        elements: &ElementSettings,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let elements = self.elements(elements);
+        let expected = backend::direct_film_settings(&self.scene, &elements, job);
+        self.check_direct(job)?;
+        same_film(film, &expected)?;
+        let (part, stats) =
+            self.source.run(|gpu| self.direct(gpu, job, &elements, &expected)?.drive(control))?;
+        film.merge(&part)?;
+        Ok(stats)
     }
 
     fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {

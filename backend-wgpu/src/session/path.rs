@@ -1,95 +1,25 @@
 //! Paths on the device: waves of slots, small submissions, and block means that the host adds up as the CPU does.
 
-use super::features;
-use super::scene::{OFFSETS, SceneBuffers};
-use crate::gpu::{Binding, Buffer, Gpu, Pending, Pipeline, PipelineKey};
-use crate::shaders::Link;
+use super::scene::SceneBuffers;
+use super::task::{Pace, Step, Task, WORKGROUP, is_played};
+use super::wave::{Form, PathStart, Wave};
+use crate::gpu::{Buffer, Gpu, Pending};
 use etendue_core::backend::{BackendError, JobStats, PathJob};
 use etendue_core::film::Film;
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::ProbeStart;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// Words of a state.
-const ROWS: u64 = 33;
 /// Words that the host reads of each: what was measured, and rays.
 const READ: u64 = 4;
+/// Words that shaders ask of a job.
+const JOB_WORDS: usize = 16;
 /// Words before the lists of a queue.
 const QUEUE_HEAD: u64 = 4;
-/// Words of a probe.
-const PROBE_WORDS: usize = 7;
-/// Invocations of a workgroup, as the shaders have it.
-const WORKGROUP: u32 = 64;
 /// Slots of a wave on a device of its own, and on one that the processor plays.
 const SLOTS: [u64; 2] = [1 << 18, 1 << 15];
-/// How long one submission should keep the device: a desktop goes on meanwhile.
-const SUBMISSION: Duration = Duration::from_millis(25);
 /// Steps of one submission at most.
-const STEPS_MAX: u32 = 64;
-
-/// How far a task is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
-    /// The device is at work; come back.
-    Working,
-    /// Something was added: `done` of `total` blocks of samples of elements.
-    Progress {
-        /// Finished.
-        done: u64,
-        /// In all.
-        total: u64,
-    },
-    /// All is in the film.
-    Done,
-}
-
-/// The pipelines of a wave.
-#[derive(Debug)]
-struct Wave {
-    start: Arc<Pipeline>,
-    trace: Arc<Pipeline>,
-    advance: Arc<Pipeline>,
-    turn: Arc<Pipeline>,
-}
-
-const BINDINGS: [Binding; 10] = [
-    Binding::Uniform,
-    Binding::Uniform,
-    Binding::Read,
-    Binding::Read,
-    Binding::Read,
-    Binding::Read,
-    Binding::Read,
-    Binding::Write,
-    Binding::Write,
-    Binding::Read,
-];
-
-impl Wave {
-    fn new(gpu: &Gpu, scene: &CompiledScene, stack: usize) -> Result<Self, BackendError> {
-        let features = features::of(&scene.needs);
-        let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::path\n");
-        let name = format!("path {} stack {stack}", features.join(" "));
-        let link = Link { root: &root, features: &features, mutations: &[] };
-        let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &BINDINGS);
-        let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
-        let key = PipelineKey { name: "turn".into(), entry: "turn" };
-        Ok(Self {
-            start: pipeline("start")?,
-            trace: pipeline("trace")?,
-            advance: pipeline("advance")?,
-            turn: gpu.pipeline(key, turn, &[Binding::Write, Binding::Write])?,
-        })
-    }
-}
-
-/// What the paths of a job start from.
-#[derive(Clone, Debug)]
-pub(crate) enum Target {
-    Image { width: u32 },
-    Probes(Vec<ProbeStart>),
-}
+const STEPS_MAX: u64 = 64;
 
 /// What a submission left to be read.
 #[derive(Debug)]
@@ -115,7 +45,8 @@ struct Part {
 pub struct PathTask {
     gpu: Arc<Gpu>,
     job: PathJob,
-    target: Target,
+    start: PathStart,
+    form: &'static Form,
     wave: Wave,
     slots: u64,
     uniform: Buffer,
@@ -127,7 +58,8 @@ pub struct PathTask {
     /// Where the next part begins, in units and in samples of its first one.
     next: (u64, u32),
     running: Option<(Part, Waiting)>,
-    steps: u32,
+    /// Of steps.
+    pace: Pace,
     elements: u64,
     /// Sums of the unit that is cut by a wave's end, and means of the block that is not yet whole.
     sum: [f64; 3],
@@ -142,47 +74,33 @@ impl PathTask {
         scene: &CompiledScene,
         buffers: &SceneBuffers,
         job: &PathJob,
-        target: Target,
+        start: PathStart,
         film: Film,
     ) -> Result<Self, BackendError> {
         let elements = film.len() as u64;
-        let probes = match &target {
-            Target::Image { .. } => Vec::new(),
-            Target::Probes(list) => probe_words(list),
-        };
+        let form = Form::of(scene);
+        let probes = form.probe_words(&start);
         let paths = elements * u64::from(job.blocks.end - job.blocks.start) * u64::from(job.block_length);
-        let slots = slots(gpu, paths, probes.len() as u64)?;
-        let wave = Wave::new(gpu, scene, buffers.stack)?;
+        let slots = slots(gpu, form.rows, paths, probes.len() as u64)?;
+        let wave = Wave::new(gpu, form, scene, buffers.stack)?;
         let g = gpu.clone();
         g.scoped(|| {
-            let states = gpu.room("states", ROWS * slots + probes.len() as u64)?;
+            let states = gpu.room("states", form.rows * slots + probes.len() as u64)?;
             if !probes.is_empty() {
-                gpu.queue.write_buffer(&states.raw, 4 * ROWS * slots, bytemuck::cast_slice(&probes));
+                let at = 4 * form.rows * slots;
+                gpu.queue.write_buffer(&states.raw, at, bytemuck::cast_slice(&probes));
             }
             let queue = gpu.room("queue", QUEUE_HEAD + 2 * slots)?;
             let groups = gpu.room("groups", 4)?;
-            let uniform = gpu.uniform("job", &[0; 14]);
-            let [near, far] = &buffers.texels;
-            let [blocks, more] = &buffers.blocks;
-            let bound = [
-                &buffers.offsets,
-                &uniform,
-                &buffers.nodes,
-                blocks,
-                more,
-                &buffers.arena,
-                near,
-                &states,
-                &queue,
-                far,
-            ];
+            let uniform = gpu.uniform("job", &[0; JOB_WORDS]);
             // The three pipelines have one layout in content; each its own object.
-            let group = gpu.bind(&wave.start, &bound);
+            let group = gpu.bind(&wave.start, &buffers.bound(&uniform, [&states, &queue]));
             let turn_group = gpu.bind(&wave.turn, &[&queue, &groups]);
             Ok(Self {
                 gpu: gpu.clone(),
                 job: job.clone(),
-                target,
+                start,
+                form,
                 wave,
                 slots,
                 uniform,
@@ -193,7 +111,7 @@ impl PathTask {
                 turn_group,
                 next: (0, 0),
                 running: None,
-                steps: 4,
+                pace: Pace::new(4, STEPS_MAX),
                 elements,
                 sum: [0.0; 3],
                 means: Vec::new(),
@@ -238,7 +156,7 @@ impl PathTask {
         };
         match waiting {
             Waiting::Queue(_, sent) => {
-                self.pace(sent.elapsed());
+                self.pace.took(self.pace.amount(), sent.elapsed());
                 let asking = words.get(words.get(2).map_or(0, |turn| *turn as usize & 1)).copied();
                 let next = if asking == Some(0) { self.read() } else { self.go_on() };
                 self.running = Some((part, next));
@@ -248,15 +166,6 @@ impl PathTask {
                 self.take(part, &words)?;
                 Ok(Step::Progress { done: self.done(), total: self.total() })
             }
-        }
-    }
-
-    /// More steps where a submission was short, fewer where it was long.
-    fn pace(&mut self, took: Duration) {
-        if took < SUBMISSION / 2 {
-            self.steps = (self.steps * 2).min(STEPS_MAX);
-        } else if took > SUBMISSION * 2 {
-            self.steps = (self.steps / 2).max(1);
         }
     }
 
@@ -287,12 +196,12 @@ impl PathTask {
 
     fn begin(&mut self, part: Part) {
         let count = (part.units * u64::from(part.samples)) as u32;
-        let width = match &self.target {
-            Target::Image { width } => *width,
-            Target::Probes(_) => 0,
+        let (width, [a, b, c]) = match &self.start {
+            PathStart::Image { width, inside } => (*width, inside.packed()),
+            PathStart::Probes(_) => (0, [0; 3]),
         };
-        let probes = if width == 0 { (ROWS * self.slots) as u32 } else { 0 };
-        let words = [
+        let probes = if width == 0 { (self.form.rows * self.slots) as u32 } else { 0 };
+        let words: [u32; JOB_WORDS] = [
             self.job.seed as u32,
             (self.job.seed >> 32) as u32,
             self.slots as u32,
@@ -305,6 +214,10 @@ impl PathTask {
             self.job.max_depth,
             probes,
             width,
+            a,
+            b,
+            c,
+            0,
         ];
         self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&words));
         self.gpu.queue.write_buffer(&self.queue.raw, 0, bytemuck::cast_slice(&[0_u32; 4]));
@@ -335,7 +248,7 @@ impl PathTask {
 
     fn steps_into(&self, mut encoder: wgpu::CommandEncoder) -> Waiting {
         self.pass(&mut encoder, |pass| {
-            for _ in 0..self.steps {
+            for _ in 0..self.pace.amount() {
                 for pipeline in [&self.wave.trace, &self.wave.advance] {
                     pass.set_pipeline(&pipeline.raw);
                     pass.set_bind_group(0, &self.group, &[]);
@@ -393,30 +306,28 @@ impl PathTask {
     }
 }
 
-/// Position, extent and normal of each.
-fn probe_words(list: &[ProbeStart]) -> Vec<u32> {
-    let mut words = Vec::with_capacity(PROBE_WORDS * list.len());
-    for p in list {
-        words.extend(p.point.position.to_array().map(f32::to_bits));
-        words.push(p.point.extent.to_bits());
-        words.extend(p.normal.to_array().map(f32::to_bits));
+impl Task for PathTask {
+    fn step(&mut self, wait: bool) -> Result<Step, BackendError> {
+        Self::step(self, wait)
     }
-    words
+
+    fn finish(self) -> (Film, JobStats) {
+        Self::finish(self)
+    }
 }
 
-/// Slots of a wave: what the job has use for, and what fits beside `more` words.
-fn slots(gpu: &Gpu, paths: u64, more: u64) -> Result<u64, BackendError> {
-    let software = gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+/// Slots of a wave, of so many rows: what the job has use for, and what fits beside `more` words.
+fn slots(gpu: &Gpu, rows: u64, paths: u64, more: u64) -> Result<u64, BackendError> {
     let [own, played] = SLOTS;
     let wanted = paths
         .next_multiple_of(u64::from(WORKGROUP))
-        .clamp(u64::from(WORKGROUP), if software { played } else { own });
+        .clamp(u64::from(WORKGROUP), if is_played(gpu) { played } else { own });
     let words = gpu.binding_bytes() / 4;
-    let fit = words.saturating_sub(more) / ROWS / u64::from(WORKGROUP) * u64::from(WORKGROUP);
+    let fit = words.saturating_sub(more) / rows / u64::from(WORKGROUP) * u64::from(WORKGROUP);
     let fit = fit.min(gpu.dispatch_items(WORKGROUP));
     if fit == 0 {
         let what = "bytes for probes and a wave of paths in one binding";
-        let asked = 4 * (more + ROWS * u64::from(WORKGROUP));
+        let asked = 4 * (more + rows * u64::from(WORKGROUP));
         return Err(BackendError::LimitExceeded { what, asked, allowed: gpu.binding_bytes() });
     }
     Ok(wanted.min(fit))

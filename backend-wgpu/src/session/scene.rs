@@ -1,4 +1,4 @@
-//! A scene in the device's buffers: one arena of records, the tree, and the texels.
+//! A scene in the device's buffers: one arena of records, the tree, and the texels with the values of grids behind them.
 
 use crate::gpu::{Buffer, Gpu};
 use bytemuck::{Pod, Zeroable};
@@ -6,6 +6,7 @@ use etendue_core::backend::BackendError;
 use etendue_core::scene::{CoatRecord, CompiledScene};
 use etendue_tree::layout::{Block, NOTHING, Node};
 use etendue_tree::{WideTree, layout};
+use std::borrow::Cow;
 
 macro_rules! offsets {
     ($($(#[$doc:meta])* $field:ident,)*) => {
@@ -64,6 +65,12 @@ offsets! {
     environment_columns,
     media,
     grids,
+    /// Behind the texels.
+    grid_values,
+    /// Nodes of the tree of crossings, how many, and the entries of its leaves.
+    crossings,
+    crossing_count,
+    crossing_order,
     camera,
 }
 
@@ -108,8 +115,13 @@ fn arena(scene: &CompiledScene) -> (Vec<u32>, SceneOffsets) {
         environment: a.add(&scene.environment),
         media: a.add(&scene.media),
         grids: a.add(&scene.grids),
+        grid_values: scene.texels.len() as u32,
+        crossing_order: a.add(scene.crossings.order()),
         ..SceneOffsets::default()
     };
+    let crossings: Vec<_> = scene.crossings.node_words().collect();
+    o.crossing_count = crossings.len() as u32;
+    o.crossings = a.add(&crossings);
     if let Some(map) = &scene.environment_map {
         o.environment_width = map.width;
         o.environment_height = map.height;
@@ -126,6 +138,9 @@ fn arena(scene: &CompiledScene) -> (Vec<u32>, SceneOffsets) {
     }
     (a.0, o)
 }
+
+/// Entries by which stacks differ.
+const STACK_STEP: usize = 16;
 
 /// What jobs on a scene bind.
 #[derive(Debug)]
@@ -159,6 +174,16 @@ fn block_words(blocks: &[Block]) -> Vec<u32> {
     words
 }
 
+/// Texels, and behind them the values of grids.
+fn texels(scene: &CompiledScene) -> Cow<'_, [u32]> {
+    let values: &[u32] = bytemuck::cast_slice(&scene.grid_values);
+    match (scene.texels.is_empty(), values.is_empty()) {
+        (_, true) => Cow::Borrowed(&scene.texels),
+        (true, _) => Cow::Borrowed(values),
+        _ => Cow::Owned([&scene.texels, values].concat()),
+    }
+}
+
 /// How many items of so many bytes go into the first of two buffers; an error where both are too small.
 fn split(what: &'static str, count: usize, each: usize, allowed: u64) -> Result<usize, BackendError> {
     let fit = (allowed / each as u64) as usize;
@@ -179,7 +204,8 @@ pub(crate) fn plan(gpu: &Gpu, scene: &CompiledScene, tree: &WideTree) -> Result<
     single("bytes for the nodes of the tree in one binding", 256 * parts.nodes.len() as u64)?;
     single("bytes for the records of the scene in one binding", 4 * arena(scene).0.len() as u64)?;
     let blocks = split("bytes for the triangles in two bindings", parts.blocks.len(), 320, allowed)?;
-    let texels = split("bytes for the texels in two bindings", scene.texels.len(), 4, allowed)?;
+    let texels = scene.texels.len() + scene.grid_values.len();
+    let texels = split("bytes for the texels and the values of grids in two bindings", texels, 4, allowed)?;
     Ok([blocks, texels])
 }
 
@@ -194,7 +220,8 @@ impl SceneBuffers {
         offsets.first_blocks = first_blocks as u32;
         offsets.first_texels = first_texels as u32;
         let (low, high) = parts.blocks.split_at(first_blocks);
-        let (near, far) = scene.texels.split_at(first_texels);
+        let texels = texels(scene);
+        let (near, far) = texels.split_at(first_texels);
         gpu.scoped(|| {
             Ok(Self {
                 offsets: gpu.uniform("scene", bytemuck::cast_slice(std::slice::from_ref(&offsets))),
@@ -205,7 +232,8 @@ impl SceneBuffers {
                 ],
                 arena: gpu.upload("arena", &words)?,
                 texels: [gpu.upload("texels", near)?, gpu.upload("more texels", far)?],
-                stack: (7 * parts.depth.saturating_sub(1) + 8).max(1),
+                // What the depth asks for, in steps: scenes of about the same depth share their pipelines.
+                stack: (7 * parts.depth.saturating_sub(1) + 8).next_multiple_of(STACK_STEP),
             })
         })
     }

@@ -52,6 +52,7 @@ const ELSEWHERE: &[[&str; 3]] = &[
     ["scene_word(", "fn scene_word(", "fn scene_word(i: u32) -> u32 { return i; }"],
     ["scene_float(", "fn scene_float(", "fn scene_float(i: u32) -> f32 { return f32(i); }"],
     ["grid_value(", "fn grid_value(", "fn grid_value(i: u32) -> f32 { return f32(i); }"],
+    ["element_word(", "fn element_word(", "fn element_word(i: u32) -> u32 { return i; }"],
     ["texel(", "fn texel(", "fn texel(i: u32) -> u32 { return i; }"],
     ["scene_at.", "> scene_at:", "var<private> scene_at: SceneOffsets;"],
     ["TREE_STACK", "const TREE_STACK", "const TREE_STACK: u32 = 8u;"],

@@ -28,22 +28,23 @@ fn palette(first: u32, second: u32, rule: u32) -> [[f64; 4]; 4] {
         let wide = |x: f64| (x * if c == 1 { 4.0625 } else { 8.25 }).floor();
         let (a, b) = (wide(p), wide(q));
         let green = c == 1;
-        let third = |a: f64, b: f64, p: f64, q: f64| match rule {
+        // The shares of the endpoints in 256 parts, of which Mesa gives the second's entry one less.
+        let third = |a: f64, b: f64, p: f64, q: f64, less: f64| match rule {
             1 => ((2.0 * a + b) / 3.0).floor(),
-            2 => ((171.0 * a + 85.0 * b) / 256.0).floor(),
+            2 => (((171.0 - less) * a + (85.0 + less) * b) / 256.0).floor(),
             3 => ((43.0 * a + 21.0 * b + 32.0) / 64.0).floor(),
             4 if green => ((256.0 * a + ((b - a) / 4.0).trunc() + 128.0 + (b - a) * 80.0) / 256.0).floor(),
             4 => ((2.0 * p + q) * 2.75).floor(),
             _ => nearest((2.0 * a + b) / 3.0),
         };
         let half = match rule {
-            1 | 2 => ((a + b) / 2.0).floor(),
+            1 => ((a + b) / 2.0).floor(),
             4 if green => ((256.0 * a + ((b - a) / 4.0).trunc() + 128.0 + (b - a) * 128.0) / 256.0).floor(),
             4 => ((p + q) * 4.125).floor(),
             _ => nearest((a + b) / 2.0),
         };
-        let last = if four { third(b, a, q, p) } else { 0.0 };
-        let column = [a, b, if four { third(a, b, p, q) } else { half }, last];
+        let last = if four { third(b, a, q, p, 1.0) } else { 0.0 };
+        let column = [a, b, if four { third(a, b, p, q, 0.0) } else { half }, last];
         for (entry, x) in out.iter_mut().zip(column) {
             entry[c] = x;
         }

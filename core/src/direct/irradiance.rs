@@ -7,12 +7,13 @@ use crate::backend::PathJob;
 use crate::geometry::{
     Hit, Intersector, Ray, SPHERE, SurfacePoint, hit_point_with, shape_normal, shape_point,
 };
-use crate::illumination::Elements;
+use crate::illumination::{Elements, FluxUnit};
 use crate::light::{self, emit};
 use crate::math::{self, Vec3};
 use crate::sampling::sobol::BlockSampler;
 use crate::sampling::warp;
 use crate::scene::{CompiledScene, LightRecord};
+use crate::transport::photon::LightPlan;
 use crate::transport::volume::LightMedia;
 
 /// Unshadowed irradiance \[W/m^2\] of a light without size at a point with unit normal `n`, and the ray that must be free. `None` where nothing
@@ -80,6 +81,12 @@ fn point_by(
     };
     let point = shape_point(shape, near);
     Some((at(0.0, 0.0), point, shape_normal(shape, point.position)?))
+}
+
+/// The unit in which direct flux is summed: that of one photon that carries the scene's flux.
+pub fn flux_unit(scene: &CompiledScene) -> FluxUnit {
+    // A dark scene has no direct light, and no unit to count it in.
+    FluxUnit::new(LightPlan::new(scene).map_or(1.0, |p| p.total().into_iter().fold(0.0, f64::max)), 1)
 }
 
 /// Direct flux \[W\] of all lights without size that arrives at a primitive, from one block of uniform points on each of its divisions, handed out with the

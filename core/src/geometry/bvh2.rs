@@ -64,6 +64,20 @@ impl BoxTree {
         self.nodes.is_empty()
     }
 
+    /// Its nodes as words, for walkers elsewhere: the lower corner, a leaf's first entry or an inner node's right child (the left one follows it), the upper corner, and how many entries a leaf
+    /// has, 0 for an inner node.
+    pub fn node_words(&self) -> impl Iterator<Item = [u32; 8]> {
+        self.nodes.iter().map(|node| {
+            let [lo, hi] = [node.bounds.lo, node.bounds.hi].map(|v| v.to_array().map(f32::to_bits));
+            [lo[0], lo[1], lo[2], node.first, hi[0], hi[1], hi[2], node.count]
+        })
+    }
+
+    /// The entries of all leaves: numbers of primitives.
+    pub fn order(&self) -> &[PrimitiveId] {
+        &self.order
+    }
+
     /// Whether a box touches the box of any leaf's: no less than it should, and rarely more.
     pub fn touches(&self, bounds: &Aabb) -> bool {
         let apart = |b: &Aabb| b.lo.cmpgt(bounds.hi).any() || b.hi.cmplt(bounds.lo).any();

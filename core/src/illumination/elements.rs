@@ -61,11 +61,11 @@ impl Default for ElementSettings {
 
 /// What a primitive's arrivals count for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Place {
+pub struct Place {
     /// First element, or where its nodes begin in the list of nodes.
-    first: u32,
+    pub first: u32,
     /// Divisions of its edges; 0 for what counts for element `first` alone, under either basis.
-    divisions: u32,
+    pub divisions: u32,
 }
 
 /// The elements of one scene.
@@ -167,6 +167,11 @@ impl Elements {
     /// How the map is divided.
     pub fn settings(&self) -> &ElementSettings {
         &self.settings
+    }
+
+    /// What [`Self::deposit`] reads, for a device: the place of each primitive, and the nodes of the lattice points of triangles.
+    pub fn parts(&self) -> (&[Place], &[u32]) {
+        (&self.places, &self.nodes)
     }
 
     /// Elements of one side.

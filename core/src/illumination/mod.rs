@@ -15,7 +15,7 @@ use crate::film::{FilmSettings, power_of_two, scale_exponent};
 use crate::math::Vec3;
 
 pub use clusters::{Clustering, Clusters, NO_CLUSTER};
-pub use elements::{Basis, ElementMesh, ElementPlace, ElementSettings, Elements, Sides};
+pub use elements::{Basis, ElementMesh, ElementPlace, ElementSettings, Elements, Place, Sides};
 pub use reconstruct::{Reconstruction, reconstruct};
 
 /// Fractional bits: all of the scene's flux is 2^48 units, or up to twice as much.
@@ -38,6 +38,13 @@ impl FluxUnit {
     pub fn new(total: f64, photons: u32) -> Self {
         let exponent = scale_exponent(total as f32);
         Self { scale: power_of_two(FRACTION_BITS - exponent), photons: f64::from(photons.max(1)) }
+    }
+
+    /// The power of two by which [`Self::units`] multiplies, where it is one: for a number of photons that is.
+    pub fn power(self) -> Option<i32> {
+        let bits = (self.scale / self.photons).to_bits();
+        let is_power = bits << 12 == 0 && (1..0x7ff).contains(&(bits >> 52));
+        is_power.then(|| (bits >> 52) as i32 - 1023)
     }
 
     /// The share of one photon that carries `flux` as if it were the only one, in units, to nearest. NaN and what is below -2^51 count as 0,

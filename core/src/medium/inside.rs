@@ -27,6 +27,11 @@ impl Inside {
         inside
     }
 
+    /// The numbers, two to a word, the earlier one in the lower half; 0 behind the last.
+    pub fn packed(&self) -> [u32; INSIDE_MAX / 2] {
+        [0, 2, 4].map(|k| u32::from(self.entered[k]) | u32::from(self.entered[k + 1]) << 16)
+    }
+
     /// Whether it is in none.
     #[inline(always)]
     pub fn is_nothing(&self) -> bool {

@@ -122,10 +122,13 @@ fn medium_sigma_t_at(medium: Medium, position: vec3<f32>) -> vec3<f32> {
 
 fn medium_sigma_s_at(medium: Medium, position: vec3<f32>) -> vec3<f32> {
     //: if GRIDS
+    var density = vec3(1.0f);
+    if medium.density != MEDIUM_NO_GRID { density = grid_at(medium_grid(medium.density), position); }
     if medium.albedo != MEDIUM_NO_GRID {
-        return medium_sigma_t_at(medium, position) * grid_at(medium_grid(medium.albedo), position);
+        return medium.sigma_t * density * grid_at(medium_grid(medium.albedo), position);
     }
-    if medium.density != MEDIUM_NO_GRID { return medium.sigma_s * grid_at(medium_grid(medium.density), position); }
-    //: end
+    return medium.sigma_s * density;
+    //: else
     return medium.sigma_s;
+    //: end
 }

@@ -13,7 +13,8 @@ pub enum Rule {
     Nearest,
     /// Both downward, `(2a + b) / 3` and `(a + b) / 2`: many software decoders.
     Truncated,
-    /// `(171 a + 85 b) >> 8` and `(a + b) >> 1`: Mesa's llvmpipe and lavapipe.
+    /// `(171 a + 85 b) >> 8`, `(86 a + 170 b) >> 8` and `(a + b + 1) >> 1`: Mesa's llvmpipe and lavapipe, as textures of all pairs of codes show (22.3.6). Of `a + ((b - a) w >> 8)` these are
+    /// the weights 85 and 170.
     Mesa,
     /// `(43 a + 21 b + 32) >> 6` and `(a + b + 1) >> 1`: AMD's hardware, as encoders that aim at it document.
     Amd,
@@ -26,13 +27,14 @@ impl Rule {
     /// All rules; the position of one is its code.
     pub const ALL: [Self; 5] = [Self::Nearest, Self::Truncated, Self::Mesa, Self::Amd, Self::Nvidia];
 
-    /// Two parts of a and one of b; `codes` are 5-bit where `five` is set, else 6-bit.
+    /// Two parts of a and one of b; a is the first endpoint, or the second where `back` is set. `codes` are 5-bit where `five` is set, else 6-bit.
     #[inline(always)]
-    const fn third(self, codes: [u32; 2], five: bool) -> u32 {
+    const fn third(self, codes: [u32; 2], five: bool, back: bool) -> u32 {
         let [a, b] = [widen(codes[0], five), widen(codes[1], five)];
         match self {
             Self::Nearest => (2 * a + b + 1) / 3,
             Self::Truncated => (2 * a + b) / 3,
+            Self::Mesa if back => (170 * a + 86 * b) >> 8,
             Self::Mesa => (171 * a + 85 * b) >> 8,
             Self::Amd => (43 * a + 21 * b + 32) >> 6,
             Self::Nvidia if five => (2 * codes[0] + codes[1]) * 22 / 8,
@@ -45,8 +47,8 @@ impl Rule {
     const fn half(self, codes: [u32; 2], five: bool) -> u32 {
         let [a, b] = [widen(codes[0], five), widen(codes[1], five)];
         match self {
-            Self::Nearest | Self::Amd => (a + b).div_ceil(2),
-            Self::Truncated | Self::Mesa => (a + b) / 2,
+            Self::Nearest | Self::Amd | Self::Mesa => (a + b).div_ceil(2),
+            Self::Truncated => (a + b) / 2,
             Self::Nvidia if five => (codes[0] + codes[1]) * 33 / 8,
             Self::Nvidia => nvidia_green(a, b, 128),
         }
@@ -97,8 +99,8 @@ pub(super) fn palette(first: u32, second: u32, rule: Rule) -> [[u8; 4]; 4] {
         let (ab, ba) = ([a[c], b[c]], [b[c], a[c]]);
         out[0][c] = widen(a[c], five(c)) as u8;
         out[1][c] = widen(b[c], five(c)) as u8;
-        out[2][c] = if four { rule.third(ab, five(c)) } else { rule.half(ab, five(c)) } as u8;
-        out[3][c] = if four { rule.third(ba, five(c)) as u8 } else { 0 };
+        out[2][c] = if four { rule.third(ab, five(c), false) } else { rule.half(ab, five(c)) } as u8;
+        out[3][c] = if four { rule.third(ba, five(c), true) as u8 } else { 0 };
     }
     out
 }

@@ -185,11 +185,8 @@ fn lobes_finished(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, wi: vec3<f32>) -> B
 }
 //: end
 
-fn lobes_eval(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    //: if LOBES
-    if lobes.mirror { return vec3(0.0f); }
-    if lobes.finish != FINISH_PLAIN { return lobes_finished(lobes, n, wo, wi).f; }
-    //: end
+// f of what has no finish. Apart from what has one, so that drivers, which put functions where they are called, have that but once.
+fn lobes_eval_plain(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
     let f = diffuse_eval(lobes.albedo, n, wi);
     //: if LOBES
     if !math_is_zero3(lobes.specular) {
@@ -199,10 +196,8 @@ fn lobes_eval(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, wi: vec3<f32>) -> vec3<
     return f;
 }
 
-fn lobes_pdf_solid_angle(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
+fn lobes_pdf_plain(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
     //: if LOBES
-    if lobes.mirror { return 0.0f; }
-    if lobes.finish != FINISH_PLAIN { return lobes_finished(lobes, n, wo, wi).pdf; }
     if !math_is_zero3(lobes.specular) {
         let share = lobes_diffuse_share(lobes);
         return share * diffuse_pdf_solid_angle(n, wi)
@@ -218,7 +213,15 @@ fn lobes_value(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, wi: vec3<f32>) -> Bsdf
     if lobes.mirror { return BsdfValue(vec3(0.0f), 0.0f); }
     if lobes.finish != FINISH_PLAIN { return lobes_finished(lobes, n, wo, wi); }
     //: end
-    return BsdfValue(lobes_eval(lobes, n, wo, wi), lobes_pdf_solid_angle(lobes, n, wo, wi));
+    return BsdfValue(lobes_eval_plain(lobes, n, wo, wi), lobes_pdf_plain(lobes, n, wo, wi));
+}
+
+fn lobes_eval(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
+    return lobes_value(lobes, n, wo, wi).f;
+}
+
+fn lobes_pdf_solid_angle(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
+    return lobes_value(lobes, n, wo, wi).pdf;
 }
 
 //: if LOBES
@@ -247,9 +250,9 @@ fn lobes_sample(lobes: Lobes, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>, lobe: f
             wi = phong_sample(lobes.exponent, n, wo, u);
         }
         let cos = math_dot(wi, n);
-        let pdf = lobes_pdf_solid_angle(lobes, n, wo, wi);
+        let pdf = lobes_pdf_plain(lobes, n, wo, wi);
         if !(cos > 0.0f && pdf > 0.0f) { return bsdf_absorbed(); }
-        return BsdfSample(true, wi, lobes_eval(lobes, n, wo, wi) * (cos / pdf), pdf);
+        return BsdfSample(true, wi, lobes_eval_plain(lobes, n, wo, wi) * (cos / pdf), pdf);
     }
     //: end
     let wi = diffuse_sample(n, u);

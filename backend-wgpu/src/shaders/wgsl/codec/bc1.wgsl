@@ -26,13 +26,13 @@ fn bc1_nvidia_green(a: u32, b: u32, part: i32) -> u32 {
     return u32((256i * i32(a) + d / 4i + 128i + part * d) >> 8u);
 }
 
-// Two parts of the first code and one of the second.
-fn bc1_third(rule: u32, code_a: u32, code_b: u32, five: bool) -> u32 {
+// Two parts of code a and one of b; a is the first endpoint's, or the second's where `back` is set.
+fn bc1_third(rule: u32, code_a: u32, code_b: u32, five: bool, back: bool) -> u32 {
     let a = bc1_widen(code_a, five);
     let b = bc1_widen(code_b, five);
     switch rule {
         case BC1_TRUNCATED: { return (2u * a + b) / 3u; }
-        case BC1_MESA: { return (171u * a + 85u * b) >> 8u; }
+        case BC1_MESA: { return select(171u * a + 85u * b, 170u * a + 86u * b, back) >> 8u; }
         case BC1_AMD: { return (43u * a + 21u * b + 32u) >> 6u; }
         case BC1_NVIDIA: {
             if five { return (2u * code_a + code_b) * 22u / 8u; }
@@ -46,7 +46,7 @@ fn bc1_half(rule: u32, code_a: u32, code_b: u32, five: bool) -> u32 {
     let a = bc1_widen(code_a, five);
     let b = bc1_widen(code_b, five);
     switch rule {
-        case BC1_TRUNCATED, BC1_MESA: { return (a + b) / 2u; }
+        case BC1_TRUNCATED: { return (a + b) / 2u; }
         case BC1_NVIDIA: {
             if five { return (code_a + code_b) * 33u / 8u; }
             return bc1_nvidia_green(a, b, 128i);
@@ -74,8 +74,8 @@ fn bc1_palette(first: u32, second: u32, rule: u32) -> array<u32, 4> {
         ends[0][c] = bc1_widen(a[c], five);
         ends[1][c] = bc1_widen(b[c], five);
         if four {
-            between[0][c] = bc1_third(rule, a[c], b[c], five);
-            between[1][c] = bc1_third(rule, b[c], a[c], five);
+            between[0][c] = bc1_third(rule, a[c], b[c], five, false);
+            between[1][c] = bc1_third(rule, b[c], a[c], five, true);
         } else {
             between[0][c] = bc1_half(rule, a[c], b[c], five);
         }

@@ -2,12 +2,29 @@
 //
 // x and y are runs of four rows, three channels one after the other.
 //: use radiosity::blocks
+//: if TEXTURE
+//: use codec::bc1_texture
+//: end
 
 // Rows of blocks of all, those of this part, and rows of the matrix.
-struct BlocksPart { rows: u32, first: u32, count: u32, patches: u32, unit: f32, pad0: u32, pad1: u32, pad2: u32 }
+struct BlocksPart {
+    rows: u32,
+    first: u32,
+    count: u32,
+    patches: u32,
+    unit: f32,
+    // Blocks along an edge of the texture that has them.
+    side: u32,
+    pad0: u32,
+    pad1: u32,
+}
 
 @group(0) @binding(0) var<uniform> blocks_part: BlocksPart;
+//: if TEXTURE
+@group(0) @binding(2) var blocks_texture: texture_2d_array<f32>;
+//: else
 @group(0) @binding(2) var<storage, read> blocks_words: array<vec2<u32>>;
+//: end
 // Where kept entries begin: of each row, or of each column.
 @group(0) @binding(3) var<storage, read> blocks_starts: array<u32>;
 // Kept entries by row: column and values.
@@ -37,6 +54,21 @@ fn blocks_row(row: u32) -> u32 {
     return row * blocks_part.rows;
 //: end
 }
+
+//: if TEXTURE
+// Entry e of block i, which the device decodes.
+fn blocks_value(i: u32, e: u32) -> vec3<f32> {
+    let code = vec3<u32>(255.0f * bc1_texture_load(blocks_texture, i, e, blocks_part.side).rgb + 0.5f);
+    return vec3(blocks_lookup[3u * code.x], blocks_lookup[3u * code.y], blocks_lookup[3u * code.z]);
+}
+
+fn blocks_are_empty(i: u32) -> bool { return false; }
+//: else
+// Entry e of block i.
+fn blocks_value(i: u32, e: u32) -> vec3<f32> { return blocks_entry(blocks_words[i], e); }
+
+fn blocks_are_empty(i: u32) -> bool { return (blocks_words[i].x | blocks_words[i].y) == 0u; }
+//: end
 
 struct BlocksKept { column: u32, value: vec3<f32> }
 
@@ -97,9 +129,9 @@ fn blocks_rows(
         let columns = blocks_part.rows;
 //: end
         for (var column = 0u; column < columns; column++) {
-            let block = blocks_words[base + column];
-            if (block.x | block.y) == 0u { continue; }
-            sum = sum + blocks_entry(block, e) * blocks_load(column, e & 3u);
+            let block = base + column;
+            if blocks_are_empty(block) { continue; }
+            sum = sum + blocks_value(block, e) * blocks_load(column, e & 3u);
         }
         // Two sums of every other entry of a row.
         let kept_row = 4u * index + e / 2u;
@@ -172,12 +204,12 @@ fn blocks_columns(
             let high = min((stripe + 1u) * BLOCKS_STRIPE, columns);
             var i = blocks_seek(begin, end, 4u * low);
             for (var row = low; row < high; row++) {
-                let block = blocks_words[blocks_row(row) - base + column];
-                if (block.x | block.y) != 0u {
-                    let x0 = blocks_entry(block, k) * blocks_load(row, 0u);
-                    let x1 = blocks_entry(block, 4u + k) * blocks_load(row, 1u);
-                    let x2 = blocks_entry(block, 8u + k) * blocks_load(row, 2u);
-                    let x3 = blocks_entry(block, 12u + k) * blocks_load(row, 3u);
+                let block = blocks_row(row) - base + column;
+                if !blocks_are_empty(block) {
+                    let x0 = blocks_value(block, k) * blocks_load(row, 0u);
+                    let x1 = blocks_value(block, 4u + k) * blocks_load(row, 1u);
+                    let x2 = blocks_value(block, 8u + k) * blocks_load(row, 2u);
+                    let x3 = blocks_value(block, 12u + k) * blocks_load(row, 3u);
                     sum = sum + ((x0 + x1) + (x2 + x3));
                 }
                 for (; i < end; i++) {

@@ -1,4 +1,5 @@
-// The compiled scene as it lies in buffers: records in one arena, texels in two. SceneOffsets, in words of the arena, is made by the host.
+// The compiled scene as it lies in buffers: records in one arena; texels in two, and behind them the values of grids. SceneOffsets, in
+// words of the arena, is made by the host.
 
 @group(0) @binding(0) var<uniform> scene_at: SceneOffsets;
 @group(0) @binding(5) var<storage, read> scene_arena: array<u32>;
@@ -17,3 +18,7 @@ fn texel(i: u32) -> u32 {
     if i < scene_at.first_texels { return texels[i]; }
     return more_texels[i - scene_at.first_texels];
 }
+
+//: if GRIDS
+fn grid_value(i: u32) -> f32 { return bitcast<f32>(texel(scene_at.grid_values + i)); }
+//: end

@@ -1,13 +1,5 @@
 // Path tracing from the sensor with light sampling and multiple importance sampling: core's state machine, one step between two rays.
-//: use transport::surface
-//: use transport::mis
-//: use light
-//: use sampling::sobol
-//: use math::consts
-
-const QUERY_DONE: u32 = 0u;
-const QUERY_CLOSEST: u32 = 1u;
-const QUERY_SHADOW: u32 = 2u;
+//: use transport::back
 
 // `ray` is what is asked: the shadow ray, or the ray to follow, which starts at `vertex` into `next`.
 struct PathState {
@@ -22,9 +14,6 @@ struct PathState {
     ray: Ray,
     query: u32,
 }
-
-const ROULETTE_FROM: u32 = 5u;
-const SURVIVAL_MAX: f32 = 0.95f;
 
 fn path_new(sampler: BlockSampler) -> PathState {
     var state: PathState;
@@ -72,16 +61,9 @@ fn path_scatter(state: ptr<function, PathState>, surface: Surface) {
     goes_on = goes_on && math_dot(s.wi, surface.geometric) > 0.0f;
     //: end
     if goes_on {
-        var after = (*state).throughput * s.weight;
-        if depth + 1u < ROULETTE_FROM {
-            goes_on = !math_is_zero3(after);
-        } else {
-            let q = math_min_number(math_max_component(s.weight), SURVIVAL_MAX);
-            goes_on = u.w < q;
-            after = after / q;
-        }
-        if goes_on {
-            (*state).throughput = after;
+        let played = back_play((*state).throughput, s.weight, depth, u.w);
+        if played.survives {
+            (*state).throughput = played.throughput;
             (*state).pdf = s.pdf;
             (*state).vertex = geometry_offset_origin(surface.point, surface.geometric, s.wi);
             (*state).next = s.wi;
@@ -111,14 +93,9 @@ fn path_arrive(state: ptr<function, PathState>, hit: Hit, max_depth: u32) {
     }
     let surface = surface_at(ray, hit);
     if !surface.found { return; }
-    if surface.light < scene_at.light_count && surface.from_front {
-        let light = scene_at.lights + LIGHT_WORDS * surface.light;
-        var weight = 1.0f;
-        if (*state).pdf > 0.0f {
-            let other = light_pdf_solid_angle(light, (*state).vertex, ray.direction, hit.t, surface.front);
-            weight = mis_power_heuristic((*state).pdf, other * 1.0f);
-        }
-        (*state).radiance += (*state).throughput * light_float3(light + LIGHT_RADIANCE) * weight;
+    if back_is_lit(surface) {
+        let emission = back_emission(surface, ray.direction, hit.t, (*state).vertex, (*state).pdf);
+        (*state).radiance += (*state).throughput * emission.met * emission.weight;
     }
     if (*state).depth < max_depth { path_scatter(state, surface); }
 }

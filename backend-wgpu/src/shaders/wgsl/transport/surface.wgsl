@@ -6,11 +6,16 @@
 //: if TEXTURES
 //: use scene::bitmap
 //: end
+//: if VOLUME
+//: use bsdf::interface
+//: end
 
 const MATERIAL_TWO_SIDED: u32 = 1u;
 const MATERIAL_MIRROR: u32 = 2u;
+const MATERIAL_NULL: u32 = 8u;
 const MATERIAL_SHADING_NORMALS: u32 = 16u;
 const MATERIAL_DIELECTRIC: u32 = 32u;
+const MATERIAL_THIN: u32 = 64u;
 const MATERIAL_FILM: u32 = 128u;
 const MATERIAL_CONDUCTOR: u32 = 256u;
 const MATERIAL_SCHLICK: u32 = 512u;
@@ -35,7 +40,16 @@ struct Surface {
     lobes: Lobes,
     light: u32,
     from_front: bool,
+    //: if VOLUME
+    interface_: Interface,
+    //: end
 }
+
+fn surface_material(primitive: u32) -> u32 {
+    return scene_at.materials + MATERIAL_WORDS * scene_word(scene_at.surfaces + SURFACE_WORDS * primitive);
+}
+
+fn surface_flags(primitive: u32) -> u32 { return scene_word(surface_material(primitive) + 11u); }
 
 fn surface_vertices(primitive: u32) -> vec3<u32> {
     let at = scene_at.triangles + 3u * primitive;
@@ -87,6 +101,22 @@ fn surface_rough(material: u32, flags: u32) -> Rough {
     return Rough(ROUGH_GGX, size);
 }
 
+//: if VOLUME
+// What a smooth boundary, a plate or a film lets through.
+fn surface_interface(surface: Surface, material: u32, flags: u32) -> Interface {
+    let ior = scene_triple(material + 12u);
+    if (flags & MATERIAL_FILM) != 0u {
+        return interface_pane(scene_triple(material), scene_triple(material + 4u));
+    }
+    let schlick = (flags & MATERIAL_SCHLICK) != 0u;
+    if (flags & MATERIAL_THIN) != 0u {
+        let cos = math_clamp_number(math_dot(surface.wo, surface.shading), 0.0f, 1.0f);
+        return interface_plate(cos, ior, schlick);
+    }
+    return interface_dielectric(select(vec3(1.0f) / ior, ior, surface.from_front), schlick);
+}
+//: end
+
 // What depends on the angle and on the side, and what has a finish.
 fn surface_refine(surface_in: Surface, material: u32, flags: u32) -> Surface {
     var surface = surface_in;
@@ -100,6 +130,9 @@ fn surface_refine(surface_in: Surface, material: u32, flags: u32) -> Surface {
             surface.lobes.specular = vec3(0.0f);
         } else if (flags & (MATERIAL_DIELECTRIC | MATERIAL_FILM)) != 0u {
             surface.lobes = lobes_diffuse(vec3(0.0f));
+            //: if VOLUME
+            surface.interface_ = surface_interface(surface, material, flags);
+            //: end
         }
         return surface;
     }
@@ -129,17 +162,14 @@ fn surface_refine(surface_in: Surface, material: u32, flags: u32) -> Surface {
 }
 //: end
 
-fn surface_at(ray: Ray, hit: Hit) -> Surface {
+// Where a hit is, and which side was met: a surface without lobes.
+fn surface_place(ray: Ray, hit: Hit) -> Surface {
     var surface: Surface;
     let record = scene_at.surfaces + SURFACE_WORDS * hit.primitive;
-    let material = scene_at.materials + MATERIAL_WORDS * scene_word(record);
-    let flags = scene_word(material + 11u);
-    let is_triangle = hit.primitive < scene_at.triangle_count;
     let wo = -ray.direction;
-    var vertex = vec3(0u);
     var front: vec3<f32>;
-    if is_triangle {
-        vertex = surface_vertices(hit.primitive);
+    if hit.primitive < scene_at.triangle_count {
+        let vertex = surface_vertices(hit.primitive);
         surface.point = geometry_hit_point_with(
             surface_position(vertex.x),
             surface_position(vertex.y),
@@ -162,10 +192,21 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     surface.shading = surface.geometric;
     surface.wo = wo;
     surface.light = scene_word(record + 1u);
+    return surface;
+}
+
+fn surface_at(ray: Ray, hit: Hit) -> Surface {
+    var surface = surface_place(ray, hit);
+    if !surface.found { return surface; }
+    let record = scene_at.surfaces + SURFACE_WORDS * hit.primitive;
+    let material = surface_material(hit.primitive);
+    let flags = scene_word(material + 11u);
+    let is_triangle = hit.primitive < scene_at.triangle_count;
+    let wo = surface.wo;
     var albedo = scene_triple(material);
     //: if TEXTURES
     if is_triangle && (scene_word(material + 3u) != NO_INDEX || scene_word(material + 16u) != NO_INDEX) {
-        albedo *= surface_textured(material, vertex, hit);
+        albedo *= surface_textured(material, surface_vertices(hit.primitive), hit);
     }
     //: end
     surface.lobes = lobes_diffuse(albedo);
@@ -179,6 +220,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     //: end
     //: if SHADING
     if is_triangle && (scene_word(record + 3u) & MATERIAL_SHADING_NORMALS) != 0u {
+        let vertex = surface_vertices(hit.primitive);
         let sum = surface_vertex_normal(vertex.x) * (1.0f - hit.b1 - hit.b2)
             + surface_vertex_normal(vertex.y) * hit.b1
             + surface_vertex_normal(vertex.z) * hit.b2;
@@ -195,5 +237,15 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
 
 // A white Lambert surface: pi times what it reflects is the irradiance there.
 fn surface_white(point: SurfacePoint, n: vec3<f32>) -> Surface {
-    return Surface(true, point, n, n, n, n, lobes_diffuse(vec3(1.0f)), NO_INDEX, true);
+    var surface: Surface;
+    surface.found = true;
+    surface.point = point;
+    surface.front = n;
+    surface.geometric = n;
+    surface.shading = n;
+    surface.wo = n;
+    surface.lobes = lobes_diffuse(vec3(1.0f));
+    surface.light = NO_INDEX;
+    surface.from_front = true;
+    return surface;
 }

@@ -1,0 +1,83 @@
+//! The elements of an illumination map on a device.
+
+use crate::gpu::{Buffer, Gpu};
+use etendue_core::backend::BackendError;
+use etendue_core::illumination::{ElementSettings, Elements};
+use etendue_core::scene::CompiledScene;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Elements, and what an arrival counts for as shaders read it (`illumination/elements.wgsl`).
+#[derive(Debug)]
+pub(super) struct ElementBuffers {
+    pub(super) elements: Arc<Elements>,
+    pub(super) words: Buffer,
+    pub(super) primitives: u64,
+    /// Equal parts of all primitives together.
+    pub(super) divisions: u64,
+    /// Where nodes begin among the words.
+    pub(super) nodes: u32,
+}
+
+impl ElementBuffers {
+    pub(super) fn new(
+        gpu: &Gpu,
+        scene: &CompiledScene,
+        elements: Arc<Elements>,
+    ) -> Result<Self, BackendError> {
+        let (places, nodes) = elements.parts();
+        let mut words = Vec::with_capacity(4 * places.len() + nodes.len());
+        let mut divisions = 0_u64;
+        for (place, primitive) in places.iter().zip(0..) {
+            let area = scene.primitive_area(primitive).to_bits();
+            // There are no more than 2^31 divisions.
+            words.extend([place.first, place.divisions, divisions as u32, area]);
+            divisions += u64::from(elements.cells(primitive));
+        }
+        let first_node = words.len() as u32;
+        words.extend(nodes);
+        let words = gpu.scoped(|| gpu.upload("elements", &words))?;
+        let primitives = places.len() as u64;
+        Ok(Self { elements, words, primitives, divisions, nodes: first_node })
+    }
+}
+
+/// The elements that were asked for last, and on which device they are: the next job has them too, most likely.
+#[derive(Debug, Default)]
+pub(super) struct KeptElements {
+    made: Mutex<Option<(ElementSettings, Arc<Elements>)>>,
+    sent: Mutex<Option<(Arc<Gpu>, Arc<ElementBuffers>)>>,
+}
+
+impl KeptElements {
+    /// A scene's elements.
+    pub(super) fn of(&self, scene: &CompiledScene, settings: &ElementSettings) -> Arc<Elements> {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, elements)) = &*made
+            && of == settings
+        {
+            return elements.clone();
+        }
+        let elements = Arc::new(Elements::new(scene, *settings));
+        *made = Some((*settings, elements.clone()));
+        elements
+    }
+
+    /// The same on a device.
+    pub(super) fn on(
+        &self,
+        gpu: &Arc<Gpu>,
+        scene: &CompiledScene,
+        elements: &Arc<Elements>,
+    ) -> Result<Arc<ElementBuffers>, BackendError> {
+        let mut sent = self.sent.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, buffers)) = &*sent
+            && Arc::ptr_eq(of, gpu)
+            && Arc::ptr_eq(&buffers.elements, elements)
+        {
+            return Ok(buffers.clone());
+        }
+        let buffers = Arc::new(ElementBuffers::new(gpu, scene, elements.clone())?);
+        *sent = Some((gpu.clone(), buffers.clone()));
+        Ok(buffers)
+    }
+}
