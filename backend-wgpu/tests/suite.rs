@@ -117,6 +117,7 @@ fn kernels_pass_on_swiftshader() {
 }
 
 #[test]
+#[ignore = "a minute: cargo nextest run -p etendue-wgpu --run-ignored only swiftshader"]
 fn a_few_scenes_pass_on_swiftshader() {
     on_swiftshader(&["a_few_scenes_pass"]);
 }
