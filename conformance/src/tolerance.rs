@@ -79,6 +79,10 @@ fn flushed(kernel: Kernel) -> Bound {
             limit: least * 1_048_576.0,
             reason: "an exponential below 2^-126 is 0, times 1 / (pi alpha^2 cos^4)",
         },
+        K::InvertCone => Bound {
+            limit: least / 1e-30,
+            reason: "a square below 2^-126 is 0, over cones of 1 - cos = 1e-30",
+        },
         _ => FLUSHED,
     }
 }
