@@ -10,7 +10,8 @@ struct DisplayJob {
     // Pixels of a row, and words of a row of packed bytes.
     width: u32,
     row: u32,
-    pad: u32,
+    // For `math_opaque`.
+    zero: u32,
 }
 
 @group(0) @binding(0) var<uniform> job: DisplayJob;
@@ -26,6 +27,9 @@ fn display_settings() -> ToneSettings {
 @compute @workgroup_size(64)
 fn packed(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= job.width { return; }
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
     let rgb = tone_display_srgb8(display_settings(), display_pixel(id.y * job.width + id.x));
     shown[id.y * job.row + id.x] = rgb.x | rgb.y << 8u | rgb.z << 16u | 0xff000000u;
 }
@@ -33,6 +37,9 @@ fn packed(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn floats(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= job.width { return; }
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
     let i = id.y * job.width + id.x;
     let v = tone_display(display_settings(), display_pixel(i));
     shown[3u * i] = bitcast<u32>(v.x);

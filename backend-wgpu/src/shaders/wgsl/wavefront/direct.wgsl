@@ -24,8 +24,9 @@ struct DirectJob {
     per_side: u32,
     // 1: linear; 2: sides apart; 4: a primitive is not one division but several.
     flags: u32,
-    pad0: u32,
-    pad1: u32,
+    // For `math_opaque`.
+    zero: u32,
+    pad: u32,
 }
 
 @group(0) @binding(1) var<uniform> job: DirectJob;
@@ -102,6 +103,9 @@ fn direct(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
     if id.x < job.count { atomicAdd(&rays_of_group, direct_place(id.x, id.y)); }
     workgroupBarrier();
     if local == 0u { sums_add(0u, vec2(atomicLoad(&rays_of_group), 0u)); }
