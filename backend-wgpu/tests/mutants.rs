@@ -261,6 +261,7 @@ fn kernels_notice_mistakes() {
 }
 
 #[test]
+#[ignore = "minutes: cargo nextest run -p etendue-wgpu --run-ignored only scenes_notice"]
 fn scenes_notice_mistakes() {
     notice(|by| !matches!(by, By::Kernel(_)));
 }

@@ -39,11 +39,13 @@ fn trios_pass() {
 }
 
 #[test]
+#[ignore = "minutes on a software device, whose films `paths` holds to the reference's bits: cargo nextest run -p etendue-wgpu --run-ignored only"]
 fn analytic_scenes_pass() {
     hold(&[Group::Analytic], Level::Quick);
 }
 
 #[test]
+#[ignore = "minutes on a software device, whose films `paths` holds to the reference's bits: cargo nextest run -p etendue-wgpu --run-ignored only"]
 fn goldens_pass() {
     hold(&[Group::Goldens], Level::Quick);
 }
@@ -71,13 +73,13 @@ fn on_drivers_of(icd: &str, tests: &[&str]) -> String {
 
 /// `ETENDUE_SWIFTSHADER` names SwiftShader's ICD file, as Chromium has it.
 #[test]
-fn numbers_pass_on_swiftshader() {
+fn kernels_pass_on_swiftshader() {
     let Some(icd) = std::env::var_os("ETENDUE_SWIFTSHADER") else {
         return adapter::skip("ETENDUE_SWIFTSHADER names no driver");
     };
     let icd = icd.to_string_lossy();
     assert!(std::path::Path::new(&*icd).is_file(), "ETENDUE_SWIFTSHADER: {icd} is no file");
-    let said = on_drivers_of(&icd, &["kernels_pass", "trios_pass"]);
+    let said = on_drivers_of(&icd, &["kernels_pass"]);
     assert!(said.contains("SwiftShader"), "another adapter answered");
 }
 

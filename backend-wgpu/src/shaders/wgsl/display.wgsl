@@ -26,6 +26,9 @@ fn display_settings() -> ToneSettings {
 
 @compute @workgroup_size(64)
 fn packed(@builtin(global_invocation_id) id: vec3<u32>) {
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
     if id.x >= job.width { return; }
     //: if REORDERED
     math_opaque = job.zero;
@@ -36,6 +39,9 @@ fn packed(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(64)
 fn floats(@builtin(global_invocation_id) id: vec3<u32>) {
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
     if id.x >= job.width { return; }
     //: if REORDERED
     math_opaque = job.zero;

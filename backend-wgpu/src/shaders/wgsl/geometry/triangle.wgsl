@@ -14,7 +14,6 @@ fn geometry_intersect_triangle(
     v2: vec3<f32>,
     t_max: f32,
 ) -> TriangleHit {
-    let miss = TriangleHit(false, 0.0f, 0.0f, 0.0f);
     let a = geometry_rotate(ray.axis, v0 - ray.origin);
     let b = geometry_rotate(ray.axis, v1 - ray.origin);
     let c = geometry_rotate(ray.axis, v2 - ray.origin);
@@ -26,23 +25,22 @@ fn geometry_intersect_triangle(
     let e0 = math_kept(r.x * q.y) - math_kept(r.y * q.x);
     let e1 = math_kept(p.x * r.y) - math_kept(p.y * r.x);
     let e2 = math_kept(q.x * p.y) - math_kept(q.y * p.x);
-    let negative = e0 < 0.0f || e1 < 0.0f || e2 < 0.0f;
-    let positive = e0 > 0.0f || e1 > 0.0f || e2 > 0.0f;
-    if negative && positive { return miss; }
+    let negative = (e0 < 0.0f) | (e1 < 0.0f) | (e2 < 0.0f);
+    let positive = (e0 > 0.0f) | (e1 > 0.0f) | (e2 > 0.0f);
     let det = e0 + e1 + e2;
-    // Infinity and NaN end here, by their bits.
-    if !math_is_finite(det) || det == 0.0f { return miss; }
     let sz = ray.shear.z;
     var t = (e0 * (a.z * sz) + e1 * (b.z * sz) + e2 * (c.z * sz)) / det;
     let lo = math_min3(math_min3(v0, v1), v2);
     let hi = math_max3(math_max3(v0, v1), v2);
     let own = geometry_slab_interval(ray, lo, hi);
     // A compiler may make `min` and `max` of the next lines, and a number of NaN.
-    if math_is_nan(t) { return miss; }
-    if t > own.y { t = own.y; }
-    if t < own.x { t = own.x; }
-    if !(t >= 0.0f && t <= t_max && math_is_finite(t) && own.x <= own.y) { return miss; }
+    let number = !math_is_nan(t);
+    t = select(t, own.y, t > own.y);
+    t = select(t, own.x, t < own.x);
     let b1 = e1 / det;
     let b2 = math_min_number(e2 / det, 1.0f - b1);
-    return TriangleHit(true, math_positive_zero(t), math_positive_zero(b1), math_positive_zero(b2));
+    // Infinity and NaN end here, by their bits. There is one way out: SwiftShader takes hours over several within a loop.
+    let inside = !(negative & positive) & math_is_finite(det) & (det != 0.0f);
+    let hit = inside & number & (t >= 0.0f) & (t <= t_max) & math_is_finite(t) & (own.x <= own.y);
+    return TriangleHit(hit, math_positive_zero(t), math_positive_zero(b1), math_positive_zero(b2));
 }

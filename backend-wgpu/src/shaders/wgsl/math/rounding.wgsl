@@ -31,14 +31,8 @@ fn math_fract(x: f32) -> f32 {
 }
 
 // `b` if either is NaN or both are zeros.
-fn math_min(a: f32, b: f32) -> f32 {
-    if a < b { return a; }
-    return b;
-}
+fn math_min(a: f32, b: f32) -> f32 { return select(b, a, a < b); }
 
-fn math_max(a: f32, b: f32) -> f32 {
-    if a > b { return a; }
-    return b;
-}
+fn math_max(a: f32, b: f32) -> f32 { return select(b, a, a > b); }
 
 fn math_clamp(x: f32, low: f32, high: f32) -> f32 { return math_min(math_max(x, low), high); }

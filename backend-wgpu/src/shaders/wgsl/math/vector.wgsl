@@ -9,15 +9,9 @@ fn math_cross(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 }
 
 // The larger; the other one where one is NaN.
-fn math_max_number(a: f32, b: f32) -> f32 {
-    if a >= b || math_is_nan(b) { return a; }
-    return b;
-}
+fn math_max_number(a: f32, b: f32) -> f32 { return select(b, a, (a >= b) | math_is_nan(b)); }
 
-fn math_min_number(a: f32, b: f32) -> f32 {
-    if a <= b || math_is_nan(b) { return a; }
-    return b;
-}
+fn math_min_number(a: f32, b: f32) -> f32 { return select(b, a, (a <= b) | math_is_nan(b)); }
 
 fn math_max_component(v: vec3<f32>) -> f32 { return math_max_number(math_max_number(v.x, v.y), v.z); }
 

@@ -83,23 +83,25 @@ fn tree_leaf(ray: PreparedRay, word: u32, known: Hit, any_hit: bool) -> Hit {
     let first = word & TREE_PLACE;
     if kind == TREE_SHAPE {
         let t = geometry_intersect_shape(ray, tree_shape(first), best.t);
-        if t < 0.0f { return best; }
         let hit = Hit(t, tree_first_shape() + first, 0.0f, 0.0f);
-        if tree_before(hit, best) { best = hit; }
-        return best;
-    }
-    for (var block = first; block <= first + kind; block++) {
-        var bits = tree_candidates(ray, block);
-        while bits != 0u {
-            let lane = firstTrailingBit(bits);
-            bits &= bits - 1u;
-            let a = tree_vertex(block, 0u, lane);
-            let b = tree_vertex(block, 1u, lane);
-            let found = geometry_intersect_triangle(ray, a, b, tree_vertex(block, 2u, lane), best.t);
-            if found.hit {
+        if t >= 0.0f && tree_before(hit, best) { best = hit; }
+    } else {
+        var end = first + kind + 1u;
+        for (var block = first; block < end; block++) {
+            var bits = tree_candidates(ray, block);
+            while bits != 0u {
+                let lane = firstTrailingBit(bits);
+                bits &= bits - 1u;
+                let a = tree_vertex(block, 0u, lane);
+                let b = tree_vertex(block, 1u, lane);
+                let found = geometry_intersect_triangle(ray, a, b, tree_vertex(block, 2u, lane), best.t);
                 let hit = Hit(found.t, tree_ids(block, lane >> 2u)[lane & 3u], found.b1, found.b2);
-                if tree_before(hit, best) { best = hit; }
-                if any_hit { return best; }
+                if found.hit & tree_before(hit, best) { best = hit; }
+                // Any one will do.
+                if found.hit & any_hit {
+                    bits = 0u;
+                    end = 0u;
+                }
             }
         }
     }
@@ -107,7 +109,7 @@ fn tree_leaf(ray: PreparedRay, word: u32, known: Hit, any_hit: bool) -> Hit {
 }
 
 // Smaller t, then the lower number; what is nothing has the highest.
-fn tree_before(a: Hit, b: Hit) -> bool { return a.t < b.t || (a.t == b.t && a.primitive < b.primitive); }
+fn tree_before(a: Hit, b: Hit) -> bool { return (a.t < b.t) | ((a.t == b.t) & (a.primitive < b.primitive)); }
 
 // The hit with the smallest t; the number TREE_NOTHING where there is none.
 fn tree_closest(ray: Ray) -> Hit { return tree_walk(ray, false); }
