@@ -19,12 +19,12 @@ fn job(blocks: Range<u32>) -> PathJob {
     PathJob { seed: 0x1234_5678_9abc, block_length: 8, blocks, max_depth: u32::MAX }
 }
 
-/// Elements as large as they are, a quarter and a twentieth of the scene.
+/// Elements of the size that primitives have, of a third and of an eighth of the scene.
 fn settings(scene: &CompiledScene) -> Vec<ElementSettings> {
     let extent = (scene.bounds.hi - scene.bounds.lo).max_element();
     let mut all = Vec::new();
     for basis in [Basis::Constant, Basis::Linear] {
-        for (sides, part) in [(Sides::Together, 0.05), (Sides::Together, f32::INFINITY), (Sides::Apart, 0.25)]
+        for (sides, part) in [(Sides::Together, 0.12), (Sides::Together, f32::INFINITY), (Sides::Apart, 0.3)]
         {
             all.push(ElementSettings { basis, sides, largest: part * extent });
         }
@@ -142,7 +142,7 @@ fn mistakes_are_noticed() {
     cpu.direct_irradiance(&job(0..1), &settings, &NoControl, &mut expected).unwrap();
     for (module, from, to) in [
         ("wavefront::direct", "u32(old + x.x < old)", "0u"),
-        ("wavefront::direct", "i < end; i++", "i + 1u < end; i++"),
+        ("wavefront::direct", "light < job.light_count", "light + 1u < job.light_count"),
         ("direct::irradiance", "math_abs(cos)", "math_max_number(cos, 0.0f)"),
         ("illumination::elements", "12.0f * cell.bary - 3.0f", "9.0f * cell.bary - 2.0f"),
         ("illumination::elements", "from_front || !map.sides_apart", "true"),
