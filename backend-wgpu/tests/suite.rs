@@ -1,8 +1,9 @@
-//! The conformance suite holds the backend: all of it on the best adapter of this machine, the numbers also on other software adapters,
-//! each in a process of its own, since a process finds its drivers once.
+//! The conformance suite holds the backend: all of it on the best adapter of this machine, numbers and a few scenes also on other software
+//! adapters, each in a process of its own, since a process finds its drivers once.
 
 mod adapter;
 
+use etendue_conformance::analytic::{self, Estimator};
 use etendue_conformance::{Group, Level, run_groups};
 use etendue_core::backend::Backend;
 
@@ -55,6 +56,35 @@ fn invariances_pass() {
     hold(&[Group::Invariance], Level::Quick);
 }
 
+/// Scenes that even the slowest device has done in a second or two: every kind of light, lobes, pictures, bitmaps, round shapes, normals.
+const FEW: [&str; 10] = [
+    "furnace_after_2_bounces",
+    "light_choice",
+    "shadow",
+    "sphere_light_3",
+    "square_light",
+    "open_floor",
+    "coincident_surfaces",
+    "picture_gradient",
+    "phong_albedo_10",
+    "shading_normal_sky",
+];
+
+#[test]
+fn a_few_scenes_pass() {
+    let Some(backend) = adapter::backend() else { return };
+    println!("{}", backend.info().adapter);
+    let cases: Vec<_> = analytic::cases().into_iter().filter(|c| FEW.contains(&c.name.as_str())).collect();
+    assert_eq!(cases.len(), FEW.len());
+    for case in &cases {
+        for (name, passed, detail) in analytic::check(&backend, Estimator::Path, case, Level::Quick).unwrap()
+        {
+            println!("{name}: {detail}");
+            assert!(passed, "{name}: {detail}");
+        }
+    }
+}
+
 /// Runs tests of this file where Vulkan has the drivers of this file alone, and gives what they printed.
 fn on_drivers_of(icd: &str, tests: &[&str]) -> String {
     let me = std::env::current_exe().unwrap();
@@ -72,21 +102,31 @@ fn on_drivers_of(icd: &str, tests: &[&str]) -> String {
 }
 
 /// `ETENDUE_SWIFTSHADER` names SwiftShader's ICD file, as Chromium has it.
-#[test]
-fn kernels_pass_on_swiftshader() {
+fn on_swiftshader(tests: &[&str]) {
     let Some(icd) = std::env::var_os("ETENDUE_SWIFTSHADER") else {
         return adapter::skip("ETENDUE_SWIFTSHADER names no driver");
     };
     let icd = icd.to_string_lossy();
     assert!(std::path::Path::new(&*icd).is_file(), "ETENDUE_SWIFTSHADER: {icd} is no file");
-    let said = on_drivers_of(&icd, &["kernels_pass"]);
+    let said = on_drivers_of(&icd, tests);
     assert!(said.contains("SwiftShader"), "another adapter answered");
+}
+
+#[test]
+fn kernels_pass_on_swiftshader() {
+    on_swiftshader(&["kernels_pass"]);
+}
+
+#[test]
+#[ignore = "a minute: cargo nextest run -p etendue-wgpu --run-ignored only swiftshader"]
+fn a_few_scenes_pass_on_swiftshader() {
+    on_swiftshader(&["a_few_scenes_pass"]);
 }
 
 /// Without a driver of Vulkan, GL is what is left; machines without it skip this, whatever is required.
 #[test]
-fn numbers_pass_by_gl() {
-    let said = on_drivers_of("/nonexistent", &["kernels_pass", "trios_pass"]);
+fn numbers_and_a_few_scenes_pass_by_gl() {
+    let said = on_drivers_of("/nonexistent", &["kernels_pass", "trios_pass", "a_few_scenes_pass"]);
     assert!(said.contains(" (gl, ") || said.contains("SKIPPED"), "another adapter answered");
 }
 

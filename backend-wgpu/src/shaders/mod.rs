@@ -6,6 +6,9 @@
 //! - `//: use math::bits` needs another file;
 //! - `//: if LOBES` ... `//: else` ... `//: end` is there only where the feature is on (or `not LOBES`); nested as one likes.
 //!
+//! Functions that loops call return once, by `select` and by `&` and `|` where they have to choose: each early return within a loop is a loop
+//! of its own to SwiftShader, and compiling takes hours and all memory.
+//!
 //! What the roots of a shader do not need is not in it. Files are text in the program, so a shader is made at run time,
 //! for just the features that a scene asks for.
 
