@@ -56,8 +56,8 @@ fn invariances_pass() {
     hold(&[Group::Invariance], Level::Quick);
 }
 
-/// Scenes that even the slowest device has done in a second or two: every kind of light, lobes, pictures, bitmaps, round shapes, normals.
-const FEW: [&str; 10] = [
+/// Scenes that even the slowest device has done in a second or two: lights of every kind, a picture, round shapes, normals.
+const FEW: [&str; 9] = [
     "furnace_after_2_bounces",
     "light_choice",
     "shadow",
@@ -66,7 +66,6 @@ const FEW: [&str; 10] = [
     "open_floor",
     "coincident_surfaces",
     "picture_gradient",
-    "phong_albedo_10",
     "shading_normal_sky",
 ];
 

@@ -20,22 +20,23 @@ impl Gpu {
             && self.device.adapter_info().backend == wgpu::Backend::Vulkan
     }
 
-    /// A shader module of WGSL text.
-    pub(super) fn module(&self, name: &str, text: String) -> Result<wgpu::ShaderModule, BackendError> {
+    /// A shader module of WGSL text, for one of its entry points.
+    pub(super) fn module(
+        &self,
+        name: &str,
+        entry: &str,
+        text: String,
+    ) -> Result<wgpu::ShaderModule, BackendError> {
         if !self.is_exact() {
             return Ok(self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(name),
                 source: wgpu::ShaderSource::Wgsl(text.into()),
             }));
         }
-        let (words, entries) = translate(&text).map_err(|e| self.refused(format!("shader {name}: {e}")))?;
-        let entry_points: Vec<_> = entries
-            .into_iter()
-            .map(|(name, [x, y, z])| wgpu::PassthroughShaderEntryPoint {
-                name: name.into(),
-                workgroup_size: (x, y, z),
-            })
-            .collect();
+        let (words, [x, y, z]) =
+            translate(&text, entry).map_err(|e| self.refused(format!("shader {name}: {e}")))?;
+        let entry_points =
+            vec![wgpu::PassthroughShaderEntryPoint { name: entry.into(), workgroup_size: (x, y, z) }];
         let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
             label: Some(name),
             entry_points: entry_points.into(),
@@ -50,10 +51,9 @@ impl Gpu {
     }
 }
 
-type Entry = (String, [u32; 3]);
-
-/// WGSL to SPIR-V with decorated arithmetic, and its entry points with their workgroups.
-fn translate(text: &str) -> Result<(Vec<u32>, Vec<Entry>), String> {
+/// WGSL to SPIR-V with decorated arithmetic, and the workgroup of the entry point. What the entry point does not reach is left out: some
+/// drivers compile all that a module has, for each of its pipelines.
+fn translate(text: &str, entry: &str) -> Result<(Vec<u32>, [u32; 3]), String> {
     let module = naga::front::wgsl::parse_str(text).map_err(|e| e.emit_to_string(text))?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)
@@ -81,9 +81,11 @@ fn translate(text: &str) -> Result<(Vec<u32>, Vec<Entry>), String> {
         },
         ..spv::Options::default()
     };
-    let words = spv::write_vec(&module, &info, &options, None).map_err(|e| e.to_string())?;
-    let entries = module.entry_points.iter().map(|e| (e.name.clone(), e.workgroup_size)).collect();
-    Ok((decorated(&words), entries))
+    let found = module.entry_points.iter().find(|e| e.name == entry);
+    let workgroup = found.ok_or_else(|| format!("no entry point `{entry}`"))?.workgroup_size;
+    let one = spv::PipelineOptions { shader_stage: naga::ShaderStage::Compute, entry_point: entry.into() };
+    let words = spv::write_vec(&module, &info, &options, Some(&one)).map_err(|e| e.to_string())?;
+    Ok((decorated(&words), workgroup))
 }
 
 /// Words before the first instruction.
@@ -128,8 +130,8 @@ mod tests {
     fn every_float_operation_is_decorated() {
         let text = "@group(0) @binding(0) var<storage, read_write> x: array<f32>;
             @compute @workgroup_size(64) fn main() { x[0] = (x[1] + x[2]) * x[3] - x[4] / x[5]; }";
-        let (words, entries) = translate(text).unwrap();
-        assert_eq!(entries, [("main".to_string(), [64, 1, 1])]);
+        let (words, workgroup) = translate(text, "main").unwrap();
+        assert_eq!(workgroup, [64, 1, 1]);
         let decorations =
             words.windows(3).filter(|w| w[0] == (3 << 16 | OP_DECORATE) && w[2] == NO_CONTRACTION).count();
         assert_eq!(decorations, 4);
@@ -137,6 +139,7 @@ mod tests {
 
     #[test]
     fn mistakes_are_told() {
-        assert!(translate("fn f() -> f32 { return 1u; }").is_err());
+        assert!(translate("fn f() -> f32 { return 1u; }", "f").is_err());
+        assert!(translate("fn f() -> f32 { return 1f; }", "f").is_err());
     }
 }

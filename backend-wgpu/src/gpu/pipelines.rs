@@ -48,10 +48,9 @@ pub(crate) struct PipelineKey {
     pub(crate) entry: &'static str,
 }
 
-/// Shader modules and pipelines made so far.
+/// Pipelines made so far.
 #[derive(Debug, Default)]
 pub(super) struct Pipelines {
-    modules: HashMap<String, wgpu::ShaderModule>,
     made: HashMap<PipelineKey, Arc<Pipeline>>,
 }
 
@@ -67,21 +66,14 @@ impl Gpu {
         if let Some(made) = pipelines.made.get(&key) {
             return Ok(made.clone());
         }
-        let module = match pipelines.modules.get(&key.name) {
-            Some(module) => module.clone(),
-            None => {
-                let mut features = link.features.to_vec();
-                if !self.is_exact() {
-                    features.push(REORDERED);
-                }
-                let text = Link { features: &features, mutations: &self.mutations, ..link }
-                    .text()
-                    .map_err(|e| self.refused(e.to_string()))?;
-                let module = self.scoped(|| self.module(&key.name, text))?;
-                pipelines.modules.insert(key.name.clone(), module.clone());
-                module
-            }
-        };
+        let mut features = link.features.to_vec();
+        if !self.is_exact() {
+            features.push(REORDERED);
+        }
+        let text = Link { features: &features, mutations: &self.mutations, ..link }
+            .text()
+            .map_err(|e| self.refused(e.to_string()))?;
+        let module = self.scoped(|| self.module(&key.name, key.entry, text))?;
         let made = self.scoped(|| Ok(Arc::new(self.make(&key, &module, bindings))))?;
         pipelines.made.insert(key, made.clone());
         Ok(made)
