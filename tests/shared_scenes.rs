@@ -6,6 +6,9 @@
 #![allow(clippy::disallowed_methods, reason = "truth in f64")]
 
 mod common;
+#[cfg(feature = "wgpu")]
+#[path = "shared_scenes/device.rs"]
+mod device;
 #[path = "shared_scenes/media.rs"]
 mod media;
 #[path = "shared_scenes/photons.rs"]
@@ -14,7 +17,7 @@ mod photons;
 mod tungsten;
 
 use common::shared_scenes;
-use etendue::core::backend::{Probe, Session};
+use etendue::core::backend::{Backend, Probe, Session};
 use etendue::core::film::Film;
 use etendue::core::scene::compile;
 use etendue::driver::{self, Budget, Outcome, Settings, Silent};
@@ -31,20 +34,28 @@ fn wide(v: [f32; 3]) -> Rgb {
 }
 
 fn open(path: &Path) -> Box<dyn Session> {
+    open_on(&*open_backend(BackendKind::Cpu, None).unwrap(), path)
+}
+
+fn open_on(backend: &dyn Backend, path: &Path) -> Box<dyn Session> {
     let loaded = load_scene(path).unwrap();
     let (scene, _) = compile(&loaded.desc).unwrap();
-    open_backend(BackendKind::Cpu, None).unwrap().open(Arc::new(scene)).unwrap()
+    backend.open(Arc::new(scene)).unwrap()
 }
 
 /// Opens a scene file that refers to a mesh by its absolute path.
 fn open_mesh(mesh: &Path, rest: &str) -> Box<dyn Session> {
+    open_mesh_on(&*open_backend(BackendKind::Cpu, None).unwrap(), mesh, rest)
+}
+
+fn open_mesh_on(backend: &dyn Backend, mesh: &Path, rest: &str) -> Box<dyn Session> {
     assert!(mesh.is_file(), "{} is missing", mesh.display());
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.toml");
     let text =
         format!("[[mesh]]\nfile = '{}'\nnormals = \"geometric\"\ntextures = false\n{rest}", mesh.display());
     std::fs::write(&scene, text).unwrap();
-    open(&scene)
+    open_on(backend, &scene)
 }
 
 const UNIT_SKY: &str = "\n[[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\n";

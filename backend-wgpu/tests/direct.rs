@@ -11,7 +11,7 @@ use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings, Sides};
 use etendue_core::scene::{CompiledScene, LightDesc, MeshDesc, SceneDesc, ShapeKind};
 use etendue_cpu::CpuBackend;
-use etendue_wgpu::{Options, Step, wgpu};
+use etendue_wgpu::{Mutation, Options, Step, wgpu};
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
@@ -19,12 +19,12 @@ fn job(blocks: Range<u32>) -> PathJob {
     PathJob { seed: 0x1234_5678_9abc, block_length: 8, blocks, max_depth: u32::MAX }
 }
 
-/// Elements as large as they are, a quarter and a twentieth of the scene.
+/// Elements of the size that primitives have, of a third and of an eighth of the scene.
 fn settings(scene: &CompiledScene) -> Vec<ElementSettings> {
     let extent = (scene.bounds.hi - scene.bounds.lo).max_element();
     let mut all = Vec::new();
     for basis in [Basis::Constant, Basis::Linear] {
-        for (sides, part) in [(Sides::Together, 0.05), (Sides::Together, f32::INFINITY), (Sides::Apart, 0.25)]
+        for (sides, part) in [(Sides::Together, 0.12), (Sides::Together, f32::INFINITY), (Sides::Apart, 0.3)]
         {
             all.push(ElementSettings { basis, sides, largest: part * extent });
         }
@@ -130,6 +130,33 @@ fn films_have_the_bits_of_the_cpu() {
     }
     assert!(lit > 10_000, "{lit}");
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn mistakes_are_noticed() {
+    let scene = scene(&furnished());
+    let cpu = CpuBackend::new(None).unwrap().open(scene.clone()).unwrap();
+    let settings = ElementSettings { basis: Basis::Linear, sides: Sides::Apart, largest: 0.5 };
+    let (mut expected, mut found) =
+        (film(&scene, &settings, &job(0..1)), film(&scene, &settings, &job(0..1)));
+    cpu.direct_irradiance(&job(0..1), &settings, &NoControl, &mut expected).unwrap();
+    for (module, from, to) in [
+        ("wavefront::direct", "u32(old + x.x < old)", "0u"),
+        ("wavefront::direct", "light < job.light_count", "light + 1u < job.light_count"),
+        ("direct::irradiance", "math_abs(cos)", "math_max_number(cos, 0.0f)"),
+        ("illumination::elements", "12.0f * cell.bary - 3.0f", "9.0f * cell.bary - 2.0f"),
+        ("illumination::elements", "from_front || !map.sides_apart", "true"),
+        ("illumination::lattice", "p = vec2(1.0f - local.x, 1.0f - local.y)", "p = local"),
+        ("illumination", "~whole.x + 1u", "~whole.x"),
+    ] {
+        let mutations = vec![Mutation { module, from, to }];
+        let Some(device) = adapter::exact_with(Options { mutations, ..Options::default() }) else { return };
+        let session = device.open(scene.clone()).unwrap();
+        let before = found.clone();
+        session.direct_irradiance(&job(0..1), &settings, &NoControl, &mut found).unwrap();
+        assert_ne!(found, expected, "{module}: {from}");
+        found = before;
+    }
 }
 
 #[test]

@@ -16,8 +16,6 @@ use std::time::Instant;
 /// Words before the sums of elements, and of each element.
 const HEAD: u64 = 4;
 const SUMS: u64 = 6;
-/// Lights of one invocation, so that one never takes long, unless a dispatch has no room for as many groups.
-const LIGHTS: u32 = 64;
 /// Shadow rays of the first submission.
 const FIRST: u64 = 1 << 14;
 
@@ -43,7 +41,7 @@ pub struct DirectTask {
     uniform: Buffer,
     sums: Buffer,
     group: wgpu::BindGroup,
-    /// Lights of an invocation, and groups of so many.
+    /// Workgroups along y and z: one for each light without size.
     lights: [u32; 2],
     pace: Pace,
     /// The block, and the place of it with which the next submission begins.
@@ -67,9 +65,8 @@ impl DirectTask {
         let key = PipelineKey { name: format!("direct stack {stack}"), entry: "direct" };
         let link = Link { root: &root, features: &[], mutations: &[] };
         let pipeline = gpu.pipeline(key, link, &bindings([Binding::Write, Binding::Read]))?;
-        let count = scene.lights.len() as u32;
-        let most_groups = gpu.limits.max_compute_workgroups_per_dimension.max(1);
-        let lights = LIGHTS.max(count.div_ceil(most_groups));
+        let count = elements.lights[1];
+        let groups = count.clamp(1, gpu.limits.max_compute_workgroups_per_dimension.max(1));
         let unit = flux_unit(scene);
         let primitives = scene.primitives().count() as u64;
         let blocks = u64::from(job.blocks.end - job.blocks.start);
@@ -88,7 +85,7 @@ impl DirectTask {
                 uniform,
                 sums,
                 group,
-                lights: [lights, count.div_ceil(lights).max(1)],
+                lights: [groups, count.div_ceil(groups)],
                 pace: Pace::new(
                     (FIRST / u64::from(count.max(1))).max(u64::from(WORKGROUP)),
                     gpu.dispatch_items(WORKGROUP),
@@ -159,7 +156,8 @@ impl DirectTask {
             (place % samples) as u32,
             places as u32,
             self.elements.primitives as u32,
-            self.lights[0],
+            self.elements.lights[0],
+            self.elements.lights[1],
             self.power as u32,
             elements.count() as u32,
             self.elements.nodes,
@@ -171,11 +169,11 @@ impl DirectTask {
         if place == 0 {
             encoder.clear_buffer(&self.sums.raw, 0, None);
         }
-        if places > 0 {
+        if places > 0 && self.lights[1] > 0 {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline.raw);
             pass.set_bind_group(0, &self.group, &[]);
-            pass.dispatch_workgroups((places as u32).div_ceil(WORKGROUP), self.lights[1], 1);
+            pass.dispatch_workgroups((places as u32).div_ceil(WORKGROUP), self.lights[0], self.lights[1]);
         }
         let read = if whole { HEAD + SUMS * elements.count() as u64 } else { HEAD };
         let sent = Instant::now();

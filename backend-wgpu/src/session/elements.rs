@@ -3,10 +3,11 @@
 use crate::gpu::{Buffer, Gpu};
 use etendue_core::backend::BackendError;
 use etendue_core::illumination::{ElementSettings, Elements};
+use etendue_core::light::emit;
 use etendue_core::scene::CompiledScene;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Elements, and what an arrival counts for as shaders read it (`illumination/elements.wgsl`).
+/// Elements, what an arrival counts for as shaders read it (`illumination/elements.wgsl`), and which lights have no size.
 #[derive(Debug)]
 pub(super) struct ElementBuffers {
     pub(super) elements: Arc<Elements>,
@@ -16,6 +17,8 @@ pub(super) struct ElementBuffers {
     pub(super) divisions: u64,
     /// Where nodes begin among the words.
     pub(super) nodes: u32,
+    /// Where the numbers of the lights without size begin, and how many there are.
+    pub(super) lights: [u32; 2],
 }
 
 impl ElementBuffers {
@@ -35,9 +38,13 @@ impl ElementBuffers {
         }
         let first_node = words.len() as u32;
         words.extend(nodes);
+        let first_light = words.len() as u32;
+        let lights = scene.lights.iter().zip(0..).filter(|(light, _)| emit::is_point_like(light));
+        words.extend(lights.map(|(_, number)| number));
+        let lights = [first_light, words.len() as u32 - first_light];
         let words = gpu.scoped(|| gpu.upload("elements", &words))?;
         let primitives = places.len() as u64;
-        Ok(Self { elements, words, primitives, divisions, nodes: first_node })
+        Ok(Self { elements, words, primitives, divisions, nodes: first_node, lights })
     }
 }
 

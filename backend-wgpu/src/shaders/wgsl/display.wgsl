@@ -30,6 +30,9 @@ fn packed(@builtin(global_invocation_id) id: vec3<u32>) {
     math_opaque = job.zero;
     //: end
     if id.x >= job.width { return; }
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
     let rgb = tone_display_srgb8(display_settings(), display_pixel(id.y * job.width + id.x));
     shown[id.y * job.row + id.x] = rgb.x | rgb.y << 8u | rgb.z << 16u | 0xff000000u;
 }
@@ -40,6 +43,9 @@ fn floats(@builtin(global_invocation_id) id: vec3<u32>) {
     math_opaque = job.zero;
     //: end
     if id.x >= job.width { return; }
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
     let i = id.y * job.width + id.x;
     let v = tone_display(display_settings(), display_pixel(i));
     shown[3u * i] = bitcast<u32>(v.x);

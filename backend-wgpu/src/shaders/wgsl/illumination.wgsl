@@ -5,39 +5,25 @@ fn illumination_units(flux: f32, power: i32) -> vec2<u32> {
     let bits = bitcast<u32>(flux);
     let is_negative = bits >= 0x80000000u;
     let exponent = (bits >> 23u) & 0xffu;
-    var digits = bits & 0x7fffffu;
-    if exponent == 0xffu {
-        if digits != 0u || is_negative { return vec2(0u); }
-        return vec2(0u, 1u << 19u);
-    }
+    let fraction = bits & 0x7fffffu;
     // |flux| = digits * 2^(shift - power), with 24 digits.
-    var shift = i32(max(exponent, 1u)) - 150 + power;
-    if exponent != 0u {
-        digits |= 0x800000u;
-    } else {
-        if digits == 0u { return vec2(0u); }
-        let missing = countLeadingZeros(digits) - 8u;
-        digits <<= missing;
-        shift -= i32(missing);
-    }
-    if shift >= 28 {
-        return select(vec2(0u, 1u << 19u), vec2(0u), is_negative);
-    }
-    var whole = vec2(0u);
-    if shift >= 0 {
-        let left = u32(shift);
-        whole = vec2(digits << left, (digits >> 1u) >> (31u - left));
-    } else if shift >= -24 {
-        let right = u32(-shift);
+    let missing = select(0u, countLeadingZeros(max(fraction, 1u)) - 8u, exponent == 0u);
+    let digits = select(fraction | 0x800000u, fraction << missing, exponent == 0u);
+    let shift = i32(max(exponent, 1u)) - 150 + power - i32(missing);
+    let left = u32(clamp(shift, 0, 27));
+    var whole = vec2(digits << left, (digits >> 1u) >> (31u - left));
+    if shift < 0 {
+        let right = u32(clamp(-shift, 1, 25));
         let rest = digits & ((1u << right) - 1u);
         let half = 1u << (right - 1u);
-        var nearest = digits >> right;
-        if rest > half || (rest == half && (nearest & 1u) == 1u) { nearest += 1u; }
-        whole = vec2(nearest, 0u);
+        let nearest = digits >> right;
+        let up = (rest > half) | ((rest == half) & ((nearest & 1u) == 1u));
+        whole = vec2(nearest + u32(up), 0u);
     }
-    if is_negative {
-        let low = ~whole.x + 1u;
-        return vec2(low, ~whole.y + u32(low == 0u));
-    }
-    return whole;
+    let low = ~whole.x + 1u;
+    whole = select(whole, vec2(low, ~whole.y + u32(low == 0u)), is_negative);
+    // From 2^51 on, infinity among it; NaN.
+    let large = (shift >= 28) | (exponent == 0xffu);
+    whole = select(whole, select(vec2(0u, 1u << 19u), vec2(0u), is_negative), large);
+    return select(whole, vec2(0u), (exponent == 0xffu) & (fraction != 0u));
 }

@@ -1,4 +1,4 @@
-// Direct irradiance on elements: an invocation takes one place and some of the lights, and adds what arrives to sums in fixed point, which
+// Direct irradiance on elements: an invocation takes one place and one of the lights without size, and adds what arrives to sums in fixed point, which
 // have core's bits in whatever order they are made.
 //: use direct::irradiance
 //: use illumination
@@ -15,8 +15,9 @@ struct DirectJob {
     first_sample: u32,
     count: u32,
     primitives: u32,
-    // Lights of an invocation.
+    // Where the numbers of the lights without size begin among the words of elements, and how many there are.
     lights: u32,
+    light_count: u32,
     // Flux is counted in units of 2^-power W.
     power: i32,
     elements: u32,
@@ -26,7 +27,6 @@ struct DirectJob {
     flags: u32,
     // For `math_opaque`.
     zero: u32,
-    pad: u32,
 }
 
 @group(0) @binding(1) var<uniform> job: DirectJob;
@@ -41,10 +41,11 @@ const SUMS_HEAD: u32 = 4u;
 fn element_word(i: u32) -> u32 { return element_words[i]; }
 
 fn sums_add(at: u32, x: vec2<u32>) {
-    if x.x == 0u && x.y == 0u { return; }
-    let old = atomicAdd(&sums[at], x.x);
-    let high = x.y + u32(old + x.x < old);
-    if high != 0u { atomicAdd(&sums[at + 1u], high); }
+    if (x.x | x.y) != 0u {
+        let old = atomicAdd(&sums[at], x.x);
+        let high = x.y + u32(old + x.x < old);
+        if high != 0u { atomicAdd(&sums[at + 1u], high); }
+    }
 }
 
 // The primitive of a division: the last that begins at it or before.
@@ -64,49 +65,52 @@ fn direct_arrive(primitive: u32, at: DirectPoint, from_front: bool, flux: vec3<f
     let deposit = elements_deposit(map, primitive, at.b1, at.b2, from_front);
     for (var k = 0u; k < deposit.count; k++) {
         let element = deposit.elements[k];
-        if element >= job.elements { continue; }
-        let share = flux * deposit.factors[k];
-        for (var channel = 0u; channel < 3u; channel++) {
-            sums_add(SUMS_HEAD + 6u * element + 2u * channel, illumination_units(share[channel], job.power));
+        if element < job.elements {
+            let share = flux * deposit.factors[k];
+            let sum = SUMS_HEAD + 6u * element;
+            sums_add(sum, illumination_units(share.x, job.power));
+            sums_add(sum + 2u, illumination_units(share.y, job.power));
+            sums_add(sum + 4u, illumination_units(share.z, job.power));
         }
     }
 }
 
-// Rays of a place to the lights of a group.
-fn direct_place(place: u32, group: u32) -> u32 {
+// What a light brings to a place; whether that took a ray.
+fn direct_place(place: u32, light_number: u32) -> bool {
     let sample = job.first_sample + place;
     let number = job.first_cell + sample / job.samples;
     let primitive = direct_primitive(number);
     let cell = number - element_word(ELEMENT_PLACE_WORDS * primitive + 2u);
-    let divisions = elements_divisions(primitive);
-    let area = bitcast<f32>(element_word(ELEMENT_PLACE_WORDS * primitive + 3u))
-        / (f32(divisions * divisions) * f32(job.samples));
     let sampler = sobol_block_sampler(job.seed, primitive, job.block, sample % job.samples);
     let at = irradiance_point_on(primitive, cell, sobol_group2(sampler, cell));
-    if !at.found { return 0u; }
-    var rays = 0u;
-    let end = min(scene_at.light_count, (group + 1u) * job.lights);
-    for (var i = group * job.lights; i < end; i++) {
-        let light = scene_at.lights + LIGHT_WORDS * i;
-        let direct = irradiance_from_light(light, at.point, at.normal);
-        if !direct.found { continue; }
-        rays += 1u;
-        if tree_occluded(direct.ray) { continue; }
+    if !at.found { return false; }
+    let light = scene_at.lights + LIGHT_WORDS * element_word(job.lights + light_number);
+    let direct = irradiance_from_light(light, at.point, at.normal);
+    if !direct.found { return false; }
+    if !tree_occluded(direct.ray) {
+        let divisions = elements_divisions(primitive);
+        let area = bitcast<f32>(element_word(ELEMENT_PLACE_WORDS * primitive + 3u))
+            / (f32(divisions * divisions) * f32(job.samples));
         let from_front = math_dot(emit_toward(light, at.point.position), at.normal) >= 0.0f;
         direct_arrive(primitive, at, from_front, direct.irradiance * area);
     }
-    return rays;
+    return true;
 }
 
+// Lights are along y, and along z where there are very many.
 @compute @workgroup_size(64)
 fn direct(
     @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
     //: if REORDERED
     math_opaque = job.zero;
     //: end
-    if id.x < job.count { atomicAdd(&rays_of_group, direct_place(id.x, id.y)); }
+    let light = id.z * groups.y + id.y;
+    if id.x < job.count && light < job.light_count {
+        if direct_place(id.x, light) { atomicAdd(&rays_of_group, 1u); }
+    }
     workgroupBarrier();
     if local == 0u { sums_add(0u, vec2(atomicLoad(&rays_of_group), 0u)); }
 }
