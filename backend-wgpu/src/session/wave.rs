@@ -46,7 +46,12 @@ impl Form {
     /// Samples from both ends, with states of so many words.
     pub(crate) fn both_ends(scene: &CompiledScene, features: Vec<&'static str>, rows: u64) -> Self {
         let media = scene.needs.volume();
-        Self { module: "wavefront::bidirectional", parts: &["walk", "join"], rows, media, features }
+        let parts: &[_] = if features.contains(&"SEARCH") {
+            &["arrive", "scatter", "join", "search"]
+        } else {
+            &["arrive", "scatter", "join"]
+        };
+        Self { module: "wavefront::bidirectional", parts, rows, media, features }
     }
 
     /// Position, extent and normal of each probe, and what it lies in.

@@ -1,5 +1,6 @@
-// Waves of samples from both ends. A step has three parts: `trace` answers, `walk` takes walks to their next vertex, `join` joins it: each
-// holds but a part of the code. `walk` alone takes annexes and `join` alone gives them back, so that no list is read where it is written.
+// Waves of samples from both ends. A step has four parts: `trace` answers, `arrive` takes walks to their next vertex, `scatter` sends them
+// on from there, `join` joins it. Each holds but a part of the code, and hands on by what is stored; `search` is a part where it is needed.
+// `arrive` alone takes annexes and `join` alone gives them back, so that no list is read where it is written.
 //: use transport::bidirectional::connect
 //: use transport::bidirectional::splats
 //: use transport::bidirectional::walk
@@ -79,8 +80,8 @@ fn wave_has_annex(slot: u32, walk: PathWalk) -> bool {
     return true;
 }
 
-// The walk from the sensor before its first ray; of a probe there is none, and `vertex` is the probe.
-fn wave_sensor_walk(slot: u32, sampler: BlockSampler, vertex: ptr<function, WalkVertex>) -> PathWalk {
+// The walk from the sensor begins: of a camera with a ray, of a probe at the probe.
+fn wave_begin_sensor(slot: u32) {
     let at = wave_start(slot);
     if job.probes == 0u {
         let ray = wave_camera_ray(at);
@@ -89,7 +90,9 @@ fn wave_sensor_walk(slot: u32, sampler: BlockSampler, vertex: ptr<function, Walk
         //: if VOLUME
         walk.inside = vec3(job.camera_inside0, job.camera_inside1, job.camera_inside2);
         //: end
-        return walk;
+        wave_put_walk(slot, walk);
+        wave_query(slot, PHASE_SENSOR, QUERY_CLOSEST, ray);
+        return;
     }
     var words = 7u;
     //: if VOLUME
@@ -97,95 +100,157 @@ fn wave_sensor_walk(slot: u32, sampler: BlockSampler, vertex: ptr<function, Walk
     //: end
     let probe = job.probes + words * at.element;
     let chain = Chain(1.0f, 0.0f, 0.0f, 0.0f);
-    *vertex = walk_vertex_at_surface(surface_white(wave_probe_point(probe), wave_probe_normal(probe)), chain);
-    (*vertex).carried = vec3(PI);
+    let surface = surface_white(wave_probe_point(probe), wave_probe_normal(probe));
+    var vertex = walk_vertex_at_surface(surface, chain);
+    vertex.carried = vec3(PI);
     var walk = path_walk_new(false, Ray(vec3(0.0f), vec3(0.0f), 0.0f), vec3(PI));
     walk.edges = 0u;
     //: if VOLUME
     walk.inside = vec3(states[probe + 7u], states[probe + 8u], states[probe + 9u]);
-    (*vertex).inside = walk.inside;
-    (*vertex).beyond = walk.inside;
+    vertex.inside = walk.inside;
+    vertex.beyond = walk.inside;
     //: end
-    return walk;
+    wave_put_walk(slot, walk);
+    wave_put_vertex(slot, 0u, vertex);
+    wave_put(slot, ROW_PHASE, PHASE_AT_SENSOR);
 }
 
 // Adds what a walk from the sensor sees by itself, weighted: s = 0.
-fn wave_see(slot: u32, walk: PathWalk, step: Step, radiance: ptr<function, vec3<f32>>) {
+fn wave_see(slot: u32, walk: PathWalk, seen: Seen, away: bool) {
     var weight = 1.0f;
-    if step.end.is_there && job.only_s == JOB_ALL {
+    if seen.end.is_there && job.only_s == JOB_ALL {
         var nothing: End;
-        weight = weight_weigh(slot, nothing, step.end, 1.0f);
+        weight = weight_weigh(slot, nothing, seen.end, 1.0f);
     }
-    let seen = step.radiance * weight;
-    if step.kind != STEP_AWAY {
-        *radiance += seen;
-    } else if weight_uses(0u, walk.index + 2u) {
-        *radiance += walk.carried * (light_float3(scene_at.environment) + seen);
+    var brings = seen.radiance * weight;
+    if away { brings = walk.carried * (light_float3(scene_at.environment) + brings); }
+    wave_put_triple(slot, ROW_RADIANCE, wave_triple(slot, ROW_RADIANCE) + brings);
+}
+
+// Where the vertex goes that a walk has come to: of the light's walk behind the others.
+fn wave_vertex_number(slot: u32, from_light: bool) -> u32 {
+    if !from_light { return 0u; }
+    return wave_get(slot, ROW_COUNT) + 1u;
+}
+
+// Takes a vertex into the lists with what it has of its walk.
+fn wave_at(slot: u32, walk: PathWalk, given: WalkVertex) {
+    var vertex = given;
+    vertex.carried = walk.carried;
+    vertex.edges = walk.edges;
+    vertex.index = walk.index + 1u;
+    vertex.coloured = walk.coloured;
+    //: if VOLUME
+    vertex.inside = walk.inside;
+    //: end
+    if walk.from_light && walk.index == 0u {
+        let light = light_record(walk.light);
+        vertex.chain.open *= emitters_preference_at(light, vertex.point.position, walk.place);
+    }
+    wave_put_vertex(slot, wave_vertex_number(slot, walk.from_light), vertex);
+    wave_put(slot, ROW_PHASE, select(PHASE_AT_SENSOR, PHASE_AT_LIGHT, walk.from_light));
+}
+
+// What becomes of a walk whose ray has met a surface, or nothing. What it comes to is stored at once.
+fn wave_arrive(slot: u32, walk: ptr<function, PathWalk>, met: Hit, sampler: BlockSampler) -> u32 {
+    let missed = met.primitive == TREE_NOTHING;
+    let ray = path_walk_ray(*walk);
+    let sees = !(*walk).from_light && weight_uses(0u, (*walk).index + 2u);
+    var vertex: WalkVertex;
+    var hit = met;
+    //: if VOLUME
+    let record = inside_current((*walk).inside);
+    if record != MEDIUM_NONE {
+        let medium = medium_new(record);
+        let limit = select((*walk).lead + met.t, math_infinity(), missed);
+        if sees {
+            let glow = (*walk).carried * medium_emitted(medium, ray, (*walk).lead, limit);
+            wave_put_triple(slot, ROW_RADIANCE, wave_triple(slot, ROW_RADIANCE) + glow);
+        }
+        let flown = path_walk_fly(walk, medium, limit, sampler);
+        if flown.kind == STEP_AT {
+            let chain = path_walk_link(*walk, flown.position, flown.extinction);
+            wave_at(slot, *walk, walk_vertex_in_medium(flown.position, -ray.direction, medium.g, flown.extinction, chain));
+        }
+        if flown.kind != STEP_ON { return flown.kind; }
+    }
+    //: end
+    if missed {
+        if sees { wave_see(slot, *walk, path_walk_away(*walk), true); }
+        return STEP_OVER;
+    }
+    //: if VOLUME
+    let resolved = boundaries_resolve(ray, met, (*walk).inside);
+    hit = resolved.hit;
+    //: end
+    let surface = surface_at(ray, hit);
+    if !surface.found { return STEP_OVER; }
+    //: if VOLUME
+    if (surface_flags(hit.primitive) & MATERIAL_NULL) != 0u { return path_walk_pass(walk, surface, resolved.inside); }
+    //: end
+    let facing = math_abs(math_dot(surface.wo, surface.geometric));
+    let chain = path_walk_link(*walk, surface.point.position, facing);
+    if sees && back_is_lit(surface) { wave_see(slot, *walk, path_walk_sees(*walk, surface, chain), false); }
+    vertex = walk_vertex_at_surface(surface, chain);
+    //: if VOLUME
+    vertex.beyond = resolved.inside;
+    //: if LOBES
+    if surface.interface_.kind != INTERFACE_OPAQUE {
+        return path_walk_meet_interface(slot, walk, surface, chain, resolved.inside, sampler);
+    }
+    if lobes_disperses(surface.lobes) {
+        let channel = path_walk_channel(sampler);
+        path_walk_choose(walk, channel);
+        vertex.lobes = lobes_of_channel(surface.lobes, channel);
+    }
+    //: end
+    //: end
+    wave_at(slot, *walk, vertex);
+    return STEP_AT;
+}
+
+@compute @workgroup_size(64)
+fn arrive(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = wave_slot(id.x);
+    if slot == job.slots { return; }
+    let phase = wave_get(slot, ROW_PHASE);
+    if phase == PHASE_TURN {
+        wave_begin_sensor(slot);
+        return;
+    }
+    if phase > PHASE_SENSOR { return; }
+    let from_light = phase == PHASE_LIGHT;
+    var walk = wave_walk(slot, from_light);
+    if !wave_has_annex(slot, walk) {
+        // The same again; the ray is not counted twice.
+        wave_put(slot, ROW_RAYS, wave_get(slot, ROW_RAYS) - 1u);
+        wave_ask(slot);
+        return;
+    }
+    let kind = wave_arrive(slot, &walk, wave_hit(slot), wave_sampler(slot));
+    wave_put_walk(slot, walk);
+    if kind != STEP_AT {
+        wave_follow(slot, from_light, walk.origin, select(walk.direction, vec3(0.0f), kind != STEP_ON));
     }
 }
 
 @compute @workgroup_size(64)
-fn walk(@builtin(global_invocation_id) id: vec3<u32>) {
+fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = wave_slot(id.x);
     if slot == job.slots { return; }
     let phase = wave_get(slot, ROW_PHASE);
-    if phase >= PHASE_SPLAT { return; }
-    let sampler = wave_sampler(slot);
-    //: if SEARCH
-    if phase == PHASE_SEARCH {
-        search_step(slot);
-        return;
-    }
-    //: end
-    let from_light = phase == PHASE_LIGHT;
-    var vertex: WalkVertex;
-    var walk: PathWalk;
-    if phase == PHASE_TURN {
-        walk = wave_sensor_walk(slot, sampler, &vertex);
-        if job.probes == 0u {
-            wave_put_walk(slot, walk);
-            wave_query(slot, PHASE_SENSOR, QUERY_CLOSEST, path_walk_ray(walk));
-            return;
-        }
-    } else {
-        walk = wave_walk(slot, from_light);
-        if !wave_has_annex(slot, walk) {
-            // The same again; the ray is not counted twice.
-            wave_put(slot, ROW_RAYS, wave_get(slot, ROW_RAYS) - 1u);
-            wave_ask(slot);
-            return;
-        }
-        var radiance = wave_triple(slot, ROW_RADIANCE);
-        let step = path_walk_arrive(slot, &walk, wave_hit(slot), sampler, &radiance);
-        if !from_light {
-            wave_see(slot, walk, step, &radiance);
-            wave_put_triple(slot, ROW_RADIANCE, radiance);
-        }
-        if step.kind != STEP_AT {
-            let over = step.kind != STEP_ON;
-            wave_put_walk(slot, walk);
-            wave_follow(slot, from_light, walk.origin, select(walk.direction, vec3(0.0f), over));
-            return;
-        }
-        vertex = step.vertex;
-        if from_light && walk.index == 0u {
-            let light = light_record(walk.light);
-            vertex.chain.open *= emitters_preference_at(light, vertex.point.position, walk.place);
-        }
-    }
-    path_walk_scatter(slot, &walk, vertex, sampler);
+    if phase != PHASE_AT_LIGHT && phase != PHASE_AT_SENSOR { return; }
+    let from_light = phase == PHASE_AT_LIGHT;
+    let number = wave_vertex_number(slot, from_light);
+    let vertex = wave_vertex(slot, number);
+    var walk = wave_walk(slot, from_light);
+    path_walk_scatter(slot, &walk, vertex, wave_sampler(slot));
     wave_put_walk(slot, walk);
-    let connects = lobes_has_density(vertex.lobes);
-    if !connects {
+    if !lobes_has_density(vertex.lobes) {
         wave_follow(slot, from_light, walk.origin, walk.direction);
         return;
     }
-    var number = 0u;
-    if from_light {
-        number = wave_get(slot, ROW_COUNT) + 1u;
-        wave_put(slot, ROW_COUNT, number);
-    }
-    wave_put_vertex(slot, number, vertex);
+    if from_light { wave_put(slot, ROW_COUNT, number); }
     wave_put(slot, ROW_PHASE, select(PHASE_JOIN, PHASE_SPLAT, from_light));
     wave_put(slot, ROW_QUERY, QUERY_NOTHING);
 }

@@ -162,29 +162,8 @@ const STEP_OVER: u32 = 1u;
 const STEP_AWAY: u32 = 2u;
 const STEP_AT: u32 = 3u;
 
-// Where a walk has come to; and radiance that it sees there by itself, with what its weight needs to know.
-struct Step { kind: u32, vertex: WalkVertex, radiance: vec3<f32>, end: End }
-
-// Fills in what a vertex has of its walk.
-fn path_walk_at(walk: PathWalk, made: WalkVertex) -> Step {
-    var step: Step;
-    step.kind = STEP_AT;
-    step.vertex = made;
-    step.vertex.carried = walk.carried;
-    step.vertex.edges = walk.edges;
-    step.vertex.index = walk.index + 1u;
-    step.vertex.coloured = walk.coloured;
-    //: if VOLUME
-    step.vertex.inside = walk.inside;
-    //: end
-    return step;
-}
-
-fn path_walk_step(kind: u32) -> Step {
-    var step: Step;
-    step.kind = kind;
-    return step;
-}
+// What the sensor's walk sees by itself: radiance, with what its weight needs to know.
+struct Seen { radiance: vec3<f32>, end: End }
 
 //: if VOLUME
 // Straight on, beyond a boundary: the same edge, and a direction of the same density. What kind of step that is.
@@ -267,25 +246,25 @@ fn path_walk_meet_interface(
 //: end
 
 // The picture of the environment, where the sensor's walk leaves the scene: s = 0, the last vertex being a direction.
-fn path_walk_away(walk: PathWalk) -> Step {
-    var step = path_walk_step(STEP_AWAY);
+fn path_walk_away(walk: PathWalk) -> Seen {
+    var seen: Seen;
     //: if ENVIRONMENT_MAP
-    if !walk.from_light && environment_is_there() {
+    if environment_is_there() {
         let met = environment_meet(walk.direction);
         let light = light_record(scene_at.environment_light);
         let through = path_walk_through(walk);
         var chain = chain_next(walk.chain, walk.left, walk.facing * through, through);
         if walk.index == 0u && job.probes == 0u { chain.open = 0.0f; }
         let towards = emitters_pdf_towards(light, walk.direction, vec3(0.0f));
-        step.radiance = met.radiance;
-        step.end = End(true, walk.index + 1u, chain, emitters_pdf_picture(met.pdf), towards);
+        seen.radiance = met.radiance;
+        seen.end = End(true, walk.index + 1u, chain, emitters_pdf_picture(met.pdf), towards);
     }
     //: end
-    return step;
+    return seen;
 }
 
 // Emission of a surface that the sensor's walk meets.
-fn path_walk_sees(walk: PathWalk, surface: Surface, met: Chain) -> End {
+fn path_walk_sees(walk: PathWalk, surface: Surface, met: Chain) -> Seen {
     let light = light_record(surface.light);
     var chain = met;
     if walk.index == 0u && job.probes == 0u {
@@ -294,86 +273,28 @@ fn path_walk_sees(walk: PathWalk, surface: Surface, met: Chain) -> End {
         chain.open *= emitters_preference_at(light, walk.place, surface.point.position);
     }
     let towards = emitters_pdf_towards(light, -surface.wo, surface.front);
-    return End(true, walk.index + 1u, chain, emitters_pdf_place(light), towards);
+    let end = End(true, walk.index + 1u, chain, emitters_pdf_place(light), towards);
+    return Seen(walk.carried * light_radiance(light), end);
 }
 
 //: if VOLUME
-// A flight through a medium: whether the step is made, which is where it ends or collides.
-fn path_walk_fly(
-    walk: ptr<function, PathWalk>, medium: Medium, limit: f32, sampler: BlockSampler, radiance: ptr<function, vec3<f32>>,
-) -> Step {
+// Where a flight through a medium has come to: on, over, or at a place in it.
+struct Flown { kind: u32, position: vec3<f32>, extinction: f32 }
+
+fn path_walk_fly(walk: ptr<function, PathWalk>, medium: Medium, limit: f32, sampler: BlockSampler) -> Flown {
     let ray = path_walk_ray(*walk);
-    if !(*walk).from_light && weight_uses(0u, (*walk).index + 2u) {
-        *radiance += (*walk).carried * medium_emitted(medium, ray, (*walk).lead, limit);
-    }
     let u = sobol_group2(sampler, path_walk_groups(*walk));
     let flown = medium_fly(medium, ray, (*walk).lead, limit, (*walk).carried, u);
     (*walk).carried *= flown.weight;
     (*walk).through *= math_mean(flown.left);
-    var step = path_walk_step(STEP_ON);
+    var out = Flown(STEP_ON, vec3(0.0f), 0.0f);
     if flown.collided {
-        let position = ray.origin + ray.direction * (flown.length - (*walk).lead);
-        (*walk).carried *= medium_sigma_s_at(medium, position);
-        let extinction = math_mean(medium_sigma_t_at(medium, position));
-        let chain = path_walk_link(*walk, position, extinction);
-        step = path_walk_at(*walk, walk_vertex_in_medium(position, -ray.direction, medium.g, extinction, chain));
+        out.kind = STEP_AT;
+        out.position = ray.origin + ray.direction * (flown.length - (*walk).lead);
+        (*walk).carried *= medium_sigma_s_at(medium, out.position);
+        out.extinction = math_mean(medium_sigma_t_at(medium, out.position));
     }
-    if math_is_zero3((*walk).carried) { step.kind = STEP_OVER; }
-    return step;
+    if math_is_zero3((*walk).carried) { out.kind = STEP_OVER; }
+    return out;
 }
 //: end
-
-// What becomes of a walk whose ray has met a surface, or nothing. Emission of media is added to `radiance` for the sensor's walk.
-fn path_walk_arrive(
-    slot: u32, walk: ptr<function, PathWalk>, met: Hit, sampler: BlockSampler, radiance: ptr<function, vec3<f32>>,
-) -> Step {
-    let missed = met.primitive == TREE_NOTHING;
-    let ray = path_walk_ray(*walk);
-    var hit = met;
-    //: if VOLUME
-    let record = inside_current((*walk).inside);
-    if record != MEDIUM_NONE {
-        let limit = select((*walk).lead + met.t, math_infinity(), missed);
-        let flown = path_walk_fly(walk, medium_new(record), limit, sampler, radiance);
-        if flown.kind != STEP_ON { return flown; }
-    }
-    //: end
-    if missed { return path_walk_away(*walk); }
-    //: if VOLUME
-    let resolved = boundaries_resolve(ray, met, (*walk).inside);
-    hit = resolved.hit;
-    //: end
-    let surface = surface_at(ray, hit);
-    if !surface.found { return path_walk_step(STEP_OVER); }
-    //: if VOLUME
-    if (surface_flags(hit.primitive) & MATERIAL_NULL) != 0u {
-        return path_walk_step(path_walk_pass(walk, surface, resolved.inside));
-    }
-    //: end
-    let facing = math_abs(math_dot(surface.wo, surface.geometric));
-    let chain = path_walk_link(*walk, surface.point.position, facing);
-    var seen: Step;
-    if !(*walk).from_light && back_is_lit(surface) && weight_uses(0u, (*walk).index + 2u) {
-        seen.radiance = (*walk).carried * light_radiance(light_record(surface.light));
-        seen.end = path_walk_sees(*walk, surface, chain);
-    }
-    var vertex = walk_vertex_at_surface(surface, chain);
-    //: if VOLUME
-    vertex.beyond = resolved.inside;
-    //: if LOBES
-    if surface.interface_.kind != INTERFACE_OPAQUE {
-        seen.kind = path_walk_meet_interface(slot, walk, surface, chain, resolved.inside, sampler);
-        return seen;
-    }
-    if lobes_disperses(surface.lobes) {
-        let channel = path_walk_channel(sampler);
-        path_walk_choose(walk, channel);
-        vertex.lobes = lobes_of_channel(surface.lobes, channel);
-    }
-    //: end
-    //: end
-    var step = path_walk_at(*walk, vertex);
-    step.radiance = seen.radiance;
-    step.end = seen.end;
-    return step;
-}

@@ -77,16 +77,21 @@ const VERTEX_WORDS: u32 = VERTEX_LOBES;
 const ANNEX_LINKS: u32 = VERTEX_WORDS * ANNEX;
 const ANNEX_WORDS: u32 = ANNEX_LINKS + LINK_LISTS * ANNEX;
 
+// A walk follows its ray.
 const PHASE_LIGHT: u32 = 0u;
 const PHASE_SENSOR: u32 = 1u;
+// It is at a vertex.
+const PHASE_AT_LIGHT: u32 = 2u;
+const PHASE_AT_SENSOR: u32 = 3u;
 // The walk from the light is over, that from the sensor not begun.
-const PHASE_TURN: u32 = 2u;
+const PHASE_TURN: u32 = 4u;
 // Which media a light sends into is looked for.
-const PHASE_SEARCH: u32 = 3u;
-const PHASE_SPLAT: u32 = 4u;
-const PHASE_OVER: u32 = 5u;
+const PHASE_SEARCH: u32 = 5u;
+// From here on it is `join` that goes on. A vertex is joined to the camera.
+const PHASE_SPLAT: u32 = 6u;
+const PHASE_OVER: u32 = 7u;
 // And more: by the number of the joint.
-const PHASE_JOIN: u32 = 6u;
+const PHASE_JOIN: u32 = 8u;
 
 const FLAG_OPENS: u32 = 1u;
 const FLAG_DISTANT: u32 = 2u;

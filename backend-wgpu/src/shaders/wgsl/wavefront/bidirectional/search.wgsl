@@ -15,7 +15,11 @@ fn search_ray(origin: vec3<f32>) -> Ray {
 fn search_word(slot: u32, i: u32) -> u32 { return (ROW_VERTICES + VERTEX_WORDS + i) * job.slots + slot; }
 
 // Takes the answer to a ray on the way out; its rays are not the sample's.
-fn search_step(slot: u32) {
+@compute @workgroup_size(64)
+fn search(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = wave_slot(id.x);
+    if slot == job.slots { return; }
+    if wave_get(slot, ROW_PHASE) != PHASE_SEARCH { return; }
     wave_put(slot, ROW_RAYS, wave_get(slot, ROW_RAYS) - 1u);
     let hit = wave_hit(slot);
     let ray = wave_ray(slot);
