@@ -1,9 +1,9 @@
 //! Paths on the device: waves of slots, small submissions, and block means that the host adds up as the CPU does.
 
-use super::bidirectional::{self, BothEnds, Plan, Room};
+use super::bidirectional::{self, Plan, Room};
 use super::scene::SceneBuffers;
 use super::task::{Pace, Step, Task, WORKGROUP, is_played};
-use super::wave::{Form, PathStart, Wave};
+use super::wave::{self, Estimator, Form, PathStart, Wave};
 use crate::gpu::{Buffer, Gpu, Pending};
 use etendue_core::backend::{BackendError, JobStats, PathJob};
 use etendue_core::film::Film;
@@ -14,9 +14,9 @@ use std::time::Instant;
 
 /// Words that the host reads of each: what was measured, and rays.
 const READ: u64 = 4;
-/// Words that shaders ask of a job, and of one of samples from both ends.
+/// Words that shaders ask of a job, and those behind them that not all estimators have.
 const JOB_WORDS: usize = 16;
-const ALL_WORDS: usize = JOB_WORDS + bidirectional::JOB_WORDS;
+const MORE_WORDS: usize = bidirectional::JOB_WORDS;
 /// Words before the lists of a queue.
 const QUEUE_HEAD: u64 = 4;
 /// Slots of a wave on a device of its own, and on one that the processor plays; and of one with samples from both ends.
@@ -44,7 +44,7 @@ struct Part {
     samples: u32,
 }
 
-/// A job of paths, in steps that never wait: for hosts with a frame loop. [`super::WgpuSession`] makes them.
+/// A job of paths, or of samples from both ends, in steps that never wait: for hosts with a frame loop. [`super::WgpuSession`] makes them.
 #[derive(Debug)]
 pub struct PathTask {
     gpu: Arc<Gpu>,
@@ -52,6 +52,8 @@ pub struct PathTask {
     start: PathStart,
     form: Form,
     wave: Wave,
+    /// What the estimator asks of a job beside what all do.
+    more: [u32; MORE_WORDS],
     /// Of samples from both ends.
     room: Option<Room>,
     slots: u64,
@@ -79,17 +81,25 @@ impl PathTask {
         gpu: &Arc<Gpu>,
         scene: &CompiledScene,
         buffers: &SceneBuffers,
-        (job, ends): (&PathJob, Option<&BothEnds>),
+        (job, estimator): (&PathJob, &Estimator),
         start: PathStart,
         film: Film,
     ) -> Result<Self, BackendError> {
         let elements = film.len() as u64;
         let paths = elements * u64::from(job.blocks.end - job.blocks.start) * u64::from(job.block_length);
-        let plan = ends.map(|ends| Plan::new(scene, ends, job.max_depth));
-        let form = plan.as_ref().map_or_else(|| Form::paths(scene), |plan| plan.form.clone());
+        let mut more = [0; MORE_WORDS];
+        let mut plan = None;
+        let form = match estimator {
+            Estimator::Path => Form::paths(scene),
+            Estimator::Airlight(single) => {
+                more[..2].copy_from_slice(&wave::airlight_words(*single));
+                Form::airlight(scene)
+            }
+            Estimator::BothEnds(ends) => plan.insert(Plan::new(scene, ends, job.max_depth)).form.clone(),
+        };
         let probes = form.probe_words(&start);
         let (own, beside) = plan.as_ref().map_or((form.rows, 0), Plan::words);
-        let wanted = if ends.is_some() { SLOTS_OF_BOTH_ENDS } else { SLOTS };
+        let wanted = if plan.is_some() { SLOTS_OF_BOTH_ENDS } else { SLOTS };
         let slots = slots(gpu, wanted, own, paths, beside + probes.len() as u64)?;
         let wave = Wave::new(gpu, &form, buffers.stack)?;
         let first = form.rows * slots;
@@ -98,6 +108,9 @@ impl PathTask {
         let room = plan.map(|plan| {
             plan.room(scene, (job, film.settings()), (slots, is_image), (behind_probes, behind_lists))
         });
+        if let Some(room) = &room {
+            more = room.words;
+        }
         let (state_words, queue_words) =
             room.as_ref().map_or((behind_probes, behind_lists), |room| (room.states, room.queue));
         let g = gpu.clone();
@@ -116,7 +129,7 @@ impl PathTask {
                 }
             }
             let groups = gpu.room("groups", 4)?;
-            let uniform = gpu.uniform("job", &[0; ALL_WORDS]);
+            let uniform = gpu.uniform("job", &[0; JOB_WORDS + MORE_WORDS]);
             // The pipelines have one layout in content; each its own object.
             let group = gpu.bind(&wave.start, &buffers.bound(&uniform, [&states, &queue]));
             let turn_group = gpu.bind(&wave.turn, &[&queue, &groups]);
@@ -126,6 +139,7 @@ impl PathTask {
                 start,
                 form,
                 wave,
+                more,
                 room,
                 slots,
                 uniform,
@@ -244,8 +258,7 @@ impl PathTask {
             c,
             0,
         ];
-        let more = self.room.as_ref().map_or([0; bidirectional::JOB_WORDS], |room| room.words);
-        self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&[own, more]));
+        self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&[own, self.more]));
         self.gpu.queue.write_buffer(&self.queue.raw, 0, bytemuck::cast_slice(&[0_u32; 4]));
         let mut encoder = self.gpu.encoder();
         for (at, words) in self.sums(self.blocks_begun(part)) {
