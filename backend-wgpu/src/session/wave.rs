@@ -118,15 +118,19 @@ impl Wave {
         let link = Link { root: &root, features, mutations: &[] };
         let bindings = bindings([Binding::Write, Binding::Write]);
         let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &bindings);
+        // Rays are the same for all scenes.
+        let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::slots\n");
+        let rays = Link { root: &root, features: &[], mutations: &[] };
+        let key = PipelineKey { name: format!("rays stack {stack}"), entry: "trace" };
+        let mut step = vec![gpu.pipeline(key, rays, &bindings)?];
+        for entry in form.parts {
+            step.push(pipeline(entry)?);
+        }
         let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
         let key = PipelineKey { name: "turn".into(), entry: "turn" };
         Ok(Self {
             start: pipeline("start")?,
-            step: ["trace"]
-                .iter()
-                .chain(form.parts)
-                .map(|entry| pipeline(entry))
-                .collect::<Result<_, _>>()?,
+            step,
             turn: gpu.pipeline(key, turn, &[Binding::Write, Binding::Write])?,
         })
     }
