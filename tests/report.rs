@@ -66,7 +66,9 @@ fn a_method_that_loses_a_hundredth_is_named() {
     let bdpt = Sampling::new(&*session, "cpu", SamplingMethod::Bidirectional);
     let mut list: Vec<Box<dyn Contender + '_>> =
         vec![Box::new(path("cpu")), Box::new(bdpt), Box::new(mutant)];
-    let measured = measure(&mut list, &plan(12.0), None, &Silent).unwrap();
+    // More replicates than usual: few rungs have to do on a slow machine.
+    let plan = Plan { replicates: 8, ..plan(12.0) };
+    let measured = measure(&mut list, &plan, None, &Silent).unwrap();
     let (_folder, summary, sentences) = written(&measured);
     for curve in &summary.curves {
         let bias = curve.bias.unwrap();
@@ -75,7 +77,7 @@ fn a_method_that_loses_a_hundredth_is_named() {
     }
     let mutant = summary.curve(&Curve::new("mutant", "", "cpu")).unwrap();
     assert!(mutant.bias.unwrap().energy.iter().all(|e| (e + 0.01).abs() < 0.005));
-    assert!(sentences.iter().any(|s| s.starts_with("Mind: mutant is biased: -")), "{sentences:?}");
+    assert!(sentences.iter().any(|s| s.contains("mutant (biased: -")), "{sentences:?}");
 }
 
 /// Stops after so many calls.
@@ -151,12 +153,15 @@ fn the_command_measures_all_methods_and_keeps_its_reference() {
     }
     assert!(page.contains("<svg") && page.contains("data:image/png;base64,"));
     let runs = read_runs(&out.join("report.csv")).unwrap();
-    let methods: std::collections::BTreeSet<&str> = runs.iter().map(|r| r.method.as_str()).collect();
-    assert_eq!(methods.into_iter().collect::<Vec<_>>(), ["bdpt", "path", "photon", "radiosity"]);
+    // A slow machine leaves out what takes long, and says so.
+    for method in ["bdpt", "path", "photon", "radiosity"] {
+        let left_out = page.contains(&format!("Not measured: {method}"));
+        assert!(left_out || runs.iter().any(|r| r.method == method), "{method}");
+    }
     let json: serde_json::Value = serde_json::from_slice(&read("report.json")).unwrap();
     assert_eq!(json["replicates"], 2);
     assert!(json["reference"]["rel_error"].as_f64().unwrap() > 0.0);
-    for figure in ["error-over-seconds", "error-over-cpu-seconds", "error-over-bytes", "efficiency"] {
+    for figure in ["error-over-seconds", "error-over-cpu-seconds"] {
         let png = read(&format!("{figure}.png"));
         assert!(png.starts_with(b"\x89PNG") && png.len() > 5000, "{figure}");
     }

@@ -17,6 +17,8 @@ use std::time::Instant;
 
 /// Samples of the lowest rung.
 const SAMPLES: u64 = 16;
+/// Fewest blocks of a reference.
+const BLOCKS_LEAST: u64 = 4;
 /// Photons for each sample of a pixel: `render` has 2^20 for its 256.
 const PHOTONS_PER_SAMPLE: u64 = 4096;
 /// Patches of the lowest rung.
@@ -128,7 +130,13 @@ impl Contender for Sampling<'_> {
         watcher: &dyn Watcher,
     ) -> Result<Outcome, ReportError> {
         let settings = Settings { seed, budget: Budget::Seconds(seconds), ..Settings::default() };
-        Ok(self.render(&settings, watcher)?)
+        let outcome = self.render(&settings, watcher)?;
+        if outcome.film.block_count() >= BLOCKS_LEAST || outcome.cancelled {
+            return Ok(outcome);
+        }
+        // However long they take: without blocks nothing is known of its error.
+        let budget = Budget::Samples(BLOCKS_LEAST * SAMPLES);
+        Ok(self.render(&Settings { budget, ..settings }, watcher)?)
     }
 
     fn run(&mut self, rung: u32, seed: u64, watcher: &dyn Watcher) -> Result<Vec<Picture>, ReportError> {

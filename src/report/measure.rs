@@ -255,10 +255,9 @@ fn make_reference(
         .ok_or_else(|| nothing("no method that converges runs here; --reference FILE.exr can stand in"))?;
     let name = climber.contender.curves().first().map(Curve::name).unwrap_or_default();
     let left = plan.seconds * REFERENCE - watcher.start.elapsed().as_secs_f64();
-    // Four blocks of samples at least, however long they take.
     let outcome = climber.contender.for_seconds(left.max(climber.last), REFERENCE_SEED, watcher)?;
     Reference::of_outcome(&outcome, name)
-        .ok_or_else(|| nothing("the reference is black, or its time was too short for two blocks of samples"))
+        .ok_or_else(|| nothing("the reference is black, or was stopped before two blocks of samples"))
 }
 
 /// Rung after rung and replicate after replicate, all contenders in turns; the first replicate tells how high each can climb.

@@ -3,6 +3,7 @@
 use super::runs::Run;
 use super::structure::Parts;
 use super::summary::{CurveSummary, Summary};
+use super::words::percent;
 use crate::metrics::statistics::{sidak, student_t_two_sided};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -81,7 +82,7 @@ impl Bias {
     pub fn words(&self) -> String {
         let c = self.worst();
         let (mean, width) = (100.0 * self.energy[c], 100.0 * self.width[c]);
-        let energy = format!("{mean:+.2} \u{b1} {width:.2} % of light in {}", ["red", "green", "blue"][c]);
+        let energy = format!("{mean:+.2} \u{b1} {width:.2} % of the light in {}", ["red", "green", "blue"][c]);
         match (self.energy_off, self.lasting_off) {
             (true, true) => format!("biased: {energy}; {}", self.lasting_words()),
             (true, false) => format!("biased: {energy}"),
@@ -91,7 +92,7 @@ impl Bias {
     }
 
     fn lasting_words(&self) -> String {
-        format!("{:.2} % of error stays, however many samples", 100.0 * self.lasting.unwrap_or(0.0))
+        format!("an error of {} stays", percent(self.lasting.unwrap_or(0.0)))
     }
 }
 

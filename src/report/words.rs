@@ -73,10 +73,13 @@ pub(super) fn conclusion(summary: &Summary, goals: &[Goal]) -> Vec<String> {
             seconds(cell.seconds.median),
         ));
     }
-    for curve in &summary.curves {
-        if let Some(bias) = curve.bias.filter(super::verdict::Bias::is_off) {
-            list.push(format!("Mind: {} is {}.", curve.name, bias.words()));
-        }
+    let off: Vec<String> = summary
+        .curves
+        .iter()
+        .filter_map(|c| Some(format!("{} ({})", c.name, c.bias.filter(super::verdict::Bias::is_off)?.words())))
+        .collect();
+    if !off.is_empty() {
+        list.push(format!("Mind what time does not mend: {}.", off.join(", ")));
     }
     list
 }
