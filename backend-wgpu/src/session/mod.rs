@@ -4,6 +4,7 @@ mod direct;
 mod elements;
 mod features;
 mod path;
+mod rows;
 mod scene;
 mod task;
 mod wave;
@@ -21,18 +22,22 @@ use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
 use crate::unsupported;
 use elements::KeptElements;
-use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes};
+use etendue_core::backend::{
+    self, BackendError, Control, FormFactorJob, JobStats, PathJob, Probe, Session, check_probes,
+};
 use etendue_core::film::{Film, FilmError, FilmSettings};
-use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
-use etendue_core::radiosity::patches::PatchMap;
-use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
-use etendue_core::radiosity::transfer::{self, PatchGrid, Transfer};
+use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
+use etendue_core::radiosity::form_factors::{FormFactors, Row};
+use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
+use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace};
+use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
+use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::volume::{Surroundings, probe_starts};
+use etendue_cpu::Radiosity;
 use etendue_tree::WideTree;
-use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use task::Task as _;
@@ -48,6 +53,8 @@ pub struct WgpuSession {
     sent: Mutex<Option<(Arc<Gpu>, Arc<SceneBuffers>)>>,
     elements: KeptElements,
     operators: Prepared,
+    /// What of a bake the host does.
+    host: Radiosity,
 }
 
 impl WgpuSession {
@@ -65,6 +72,7 @@ impl WgpuSession {
             elements: KeptElements::default(),
             sent: Mutex::new(None),
             operators: Prepared::default(),
+            host: Radiosity::default(),
         };
         let start = Instant::now();
         session.source.clone().run(|gpu| session.buffers(gpu))?;
@@ -247,14 +255,60 @@ impl Session for WgpuSession {
         Ok(stats)
     }
 
+    fn patches(&self, settings: &PatchSettings) -> Result<PatchMap, BackendError> {
+        let elements = self.elements(&settings.elements(&self.scene));
+        self.host.patches((&self.scene, &self.tree), elements, settings)
+    }
+
+    fn form_factors(
+        &self,
+        map: &PatchMap,
+        job: &FormFactorJob,
+        control: &dyn Control,
+    ) -> Result<Vec<Row>, BackendError> {
+        self.source.run(|gpu| {
+            let buffers = self.buffers(gpu)?;
+            rows::form_factors(gpu, &self.scene, &buffers, map, job, control)
+        })
+    }
+
+    fn near_form_factors(
+        &self,
+        map: &PatchMap,
+        pairs: &[[u32; 2]],
+        settings: &NearSettings,
+        control: &dyn Control,
+    ) -> Result<Vec<NearPair>, BackendError> {
+        self.host.near_form_factors((&self.scene, &self.tree), map, pairs, settings, control)
+    }
+
     fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {
-        // Once for an operator, by a few short rays an element: the host's tree is at hand.
-        let (grid, places) = (PatchGrid::new(map), transfer::places(&self.scene, map));
-        let weights = |element: usize| match Transfer::place(map, &places, element) {
-            Some(place) => grid.weights(map, place, |ray| self.tree.occluded(ray)),
-            None => Vec::new(),
-        };
-        Ok(Transfer::new((0..map.elements.count()).into_par_iter().map(weights).collect()))
+        Ok(self.host.transfer((&self.scene, &self.tree), map))
+    }
+
+    fn rate_curves(&self, symmetric: &Symmetric<'_>) -> RateCurves {
+        self.host.rate_curves(symmetric)
+    }
+
+    fn tiles(
+        &self,
+        symmetric: &Symmetric<'_>,
+        want: &(dyn Fn(usize, usize) -> Kind + Sync),
+    ) -> Result<Tiles, TileError> {
+        self.host.tiles(symmetric, want)
+    }
+
+    fn with_coarse(&self, relighter: Relighter, rates: Rates) -> Result<Relighter, RelightError> {
+        relighter.with_coarse(self.host.linear(), rates)
+    }
+
+    fn encode_blocks(
+        &self,
+        form_factors: &FormFactors,
+        albedo: &[[f32; 3]],
+        settings: &blocks::Settings<'_>,
+    ) -> Result<BlockOperator, BlockError> {
+        BlockOperator::encode(self.host.linear(), form_factors, albedo, settings)
     }
 
     fn relight(
