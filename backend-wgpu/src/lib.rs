@@ -167,7 +167,7 @@ impl Backend for WgpuBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, volume: true, kernels: true, ..Capabilities::default() }
+        Capabilities { path: true, bidirectional: true, volume: true, kernels: true }
     }
 
     fn arithmetic(&self) -> Arithmetic {

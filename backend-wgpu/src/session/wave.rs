@@ -22,24 +22,36 @@ pub(crate) enum PathStart {
     Probes(Vec<ProbeStart>),
 }
 
-/// One of the two tracers of paths: surfaces alone need smaller states.
-#[derive(Debug)]
+/// One of the tracers: surfaces alone need smaller states than media.
+#[derive(Clone, Debug)]
 pub(crate) struct Form {
-    /// The file of its entry points.
+    /// The file of its entry points, and those of a step after `trace`.
     module: &'static str,
+    parts: &'static [&'static str],
     /// Words of a state.
     pub(crate) rows: u64,
     /// Probes say what they lie in.
     media: bool,
+    features: Vec<&'static str>,
 }
 
-const SURFACES: Form = Form { module: "wavefront::path", rows: 33, media: false };
-const VOLUME: Form = Form { module: "wavefront::volume", rows: 45, media: true };
-
 impl Form {
-    /// That which carries what a scene needs.
-    pub(crate) fn of(scene: &CompiledScene) -> &'static Self {
-        if scene.needs.volume() { &VOLUME } else { &SURFACES }
+    /// Paths, with what a scene needs.
+    pub(crate) fn paths(scene: &CompiledScene) -> Self {
+        let media = scene.needs.volume();
+        let (module, rows) = if media { ("wavefront::volume", 45) } else { ("wavefront::path", 33) };
+        Self { module, parts: &["advance"], rows, media, features: features::of(scene) }
+    }
+
+    /// Samples from both ends, with states of so many words.
+    pub(crate) fn both_ends(scene: &CompiledScene, features: Vec<&'static str>, rows: u64) -> Self {
+        let media = scene.needs.volume();
+        let parts: &[_] = if features.contains(&"SEARCH") {
+            &["arrive", "scatter", "join", "search"]
+        } else {
+            &["arrive", "scatter", "join"]
+        };
+        Self { module: "wavefront::bidirectional", parts, rows, media, features }
     }
 
     /// Position, extent and normal of each probe, and what it lies in.
@@ -62,31 +74,28 @@ impl Form {
 #[derive(Debug)]
 pub(crate) struct Wave {
     pub(crate) start: Arc<Pipeline>,
-    pub(crate) trace: Arc<Pipeline>,
-    pub(crate) advance: Arc<Pipeline>,
+    /// The parts of a step, in their order.
+    pub(crate) step: Vec<Arc<Pipeline>>,
     pub(crate) turn: Arc<Pipeline>,
 }
 
 impl Wave {
-    pub(crate) fn new(
-        gpu: &Gpu,
-        form: &Form,
-        scene: &CompiledScene,
-        stack: usize,
-    ) -> Result<Self, BackendError> {
-        let features = features::of(scene);
-        let module = form.module;
+    pub(crate) fn new(gpu: &Gpu, form: &Form, stack: usize) -> Result<Self, BackendError> {
+        let Form { module, features, .. } = form;
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use {module}\n");
         let name = format!("path {} stack {stack}", features.join(" "));
-        let link = Link { root: &root, features: &features, mutations: &[] };
+        let link = Link { root: &root, features, mutations: &[] };
         let bindings = bindings([Binding::Write, Binding::Write]);
         let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &bindings);
         let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
         let key = PipelineKey { name: "turn".into(), entry: "turn" };
         Ok(Self {
             start: pipeline("start")?,
-            trace: pipeline("trace")?,
-            advance: pipeline("advance")?,
+            step: ["trace"]
+                .iter()
+                .chain(form.parts)
+                .map(|entry| pipeline(entry))
+                .collect::<Result<_, _>>()?,
             turn: gpu.pipeline(key, turn, &[Binding::Write, Binding::Write])?,
         })
     }
