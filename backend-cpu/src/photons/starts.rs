@@ -12,9 +12,6 @@ use etendue_core::transport::photon::{LightPlan, Photon, PhotonFlight, Replicate
 use etendue_core::transport::volume::LightMedia;
 use rayon::prelude::*;
 
-/// Pairs of one task of the precomputation.
-const PAIRS: usize = 512;
-
 /// The density of starts on surfaces, and the shadow rays it took. The same for any number of threads.
 pub(crate) fn first_shot(
     pool: &rayon::ThreadPool,
@@ -24,17 +21,10 @@ pub(crate) fn first_shot(
     weights: Weights,
 ) -> Result<(FirstShot, u64), FirstShotError> {
     let plan = StartPlan::new(scene, media, *subdivision)?;
-    let tasks = plan.pairs().div_ceil(PAIRS);
     let parts: Vec<(Vec<LitPiece>, u64)> = pool.install(|| {
-        (0..tasks)
+        (0..plan.tasks())
             .into_par_iter()
-            .map_init(Workspace::new, |workspace, task| {
-                let (mut pieces, mut rays) = (Vec::new(), 0);
-                for pair in task * PAIRS..plan.pairs().min((task + 1) * PAIRS) {
-                    rays += plan.pieces(tree, pair, workspace, |p| pieces.push(p));
-                }
-                (pieces, rays)
-            })
+            .map_init(Workspace::new, |workspace, task| plan.task(tree, task, workspace))
             .collect()
     });
     let rays = parts.iter().map(|p| p.1).sum();

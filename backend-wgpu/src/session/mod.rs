@@ -4,6 +4,7 @@ mod direct;
 mod elements;
 mod features;
 mod path;
+mod photons;
 mod scene;
 mod task;
 mod wave;
@@ -13,6 +14,7 @@ pub(crate) use scene::OFFSETS;
 
 pub use direct::DirectTask;
 pub use path::PathTask;
+pub use photons::PhotonTask;
 pub(crate) use scene::SceneBuffers;
 pub use task::Step;
 pub(crate) use wave::PathStart;
@@ -21,7 +23,9 @@ use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
 use crate::unsupported;
 use elements::KeptElements;
-use etendue_core::backend::{self, BackendError, Control, JobStats, PathJob, Probe, Session, check_probes};
+use etendue_core::backend::{
+    self, BackendError, Control, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session, check_probes,
+};
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{ElementSettings, Elements};
@@ -138,6 +142,43 @@ impl WgpuSession {
         DirectTask::new(gpu, &self.scene, &buffers, elements, job, Film::new(*settings))
     }
 
+    /// An illumination map as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`Session::illumination`].
+    pub fn illumination_task(&self, job: &PhotonJob) -> Result<PhotonTask, BackendError> {
+        let elements = self.elements(&job.elements);
+        let settings = backend::illumination_film_settings(&self.scene, &elements, job)?;
+        self.check_photons(job)?;
+        self.photons(&self.source.gpu(), job, &elements, &settings)
+    }
+
+    fn photons(
+        &self,
+        gpu: &Arc<Gpu>,
+        job: &PhotonJob,
+        elements: &Arc<Elements>,
+        settings: &FilmSettings,
+    ) -> Result<PhotonTask, BackendError> {
+        let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
+        PhotonTask::new(gpu, &self.scene, &buffers, elements, (job, None), false, Film::new(*settings))
+    }
+
+    fn check_photons(&self, job: &PhotonJob) -> Result<(), BackendError> {
+        job.check()?;
+        let needs = &self.scene.needs;
+        if let Some(missing) = needs.beyond_photons() {
+            return Err(BackendError::SceneNeeds { method: "photon", missing });
+        }
+        if matches!(job.start, PhotonStart::Surfaces { .. }) {
+            return Err(unsupported("photons that start on surfaces (the cpu backend does)"));
+        }
+        match needs.beyond_surfaces() {
+            Some(missing) => Err(unsupported(format!("photons through {missing} (the cpu backend does)"))),
+            None => Ok(()),
+        }
+    }
+
     fn check_direct(&self, job: &PathJob) -> Result<(), BackendError> {
         job.check()?;
         let needs = &self.scene.needs;
@@ -243,6 +284,23 @@ impl Session for WgpuSession {
         same_film(film, &expected)?;
         let (part, stats) =
             self.source.run(|gpu| self.direct(gpu, job, &elements, &expected)?.drive(control))?;
+        film.merge(&part)?;
+        Ok(stats)
+    }
+
+    fn illumination(
+        &self,
+        job: &PhotonJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        job.check()?;
+        let elements = self.elements(&job.elements);
+        let expected = backend::illumination_film_settings(&self.scene, &elements, job)?;
+        self.check_photons(job)?;
+        same_film(film, &expected)?;
+        let (part, stats) =
+            self.source.run(|gpu| self.photons(gpu, job, &elements, &expected)?.drive(control))?;
         film.merge(&part)?;
         Ok(stats)
     }

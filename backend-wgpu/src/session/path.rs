@@ -2,7 +2,7 @@
 
 use super::scene::SceneBuffers;
 use super::task::{Pace, Step, Task, WORKGROUP, is_played};
-use super::wave::{Form, PathStart, Wave};
+use super::wave::{Behind, Form, PathStart, Wave};
 use crate::gpu::{Buffer, Gpu, Pending};
 use etendue_core::backend::{BackendError, JobStats, PathJob};
 use etendue_core::film::Film;
@@ -47,6 +47,9 @@ pub struct PathTask {
     job: PathJob,
     start: PathStart,
     form: &'static Form,
+    /// Where probes begin behind the states, and whether each block has one slot more.
+    probes: u32,
+    once: bool,
     wave: Wave,
     slots: u64,
     uniform: Buffer,
@@ -77,18 +80,37 @@ impl PathTask {
         start: PathStart,
         film: Film,
     ) -> Result<Self, BackendError> {
-        let elements = film.len() as u64;
         let form = Form::of(scene);
-        let probes = form.probe_words(&start);
+        let behind = Behind { words: form.probe_words(&start), ..Behind::default() };
+        Self::with(gpu, scene, buffers, job, (form, start, behind), film)
+    }
+
+    /// The same of any form.
+    pub(crate) fn with(
+        gpu: &Arc<Gpu>,
+        scene: &CompiledScene,
+        buffers: &SceneBuffers,
+        job: &PathJob,
+        (form, start, behind): (&'static Form, PathStart, Behind),
+        film: Film,
+    ) -> Result<Self, BackendError> {
+        let elements = film.len() as u64;
+        let (words, once) = (&behind.words, behind.once);
         let paths = elements * u64::from(job.blocks.end - job.blocks.start) * u64::from(job.block_length);
-        let slots = slots(gpu, form.rows, paths, probes.len() as u64)?;
+        let slots = slots(gpu, form.rows, paths + u64::from(once) * elements, words.len() as u64)?;
         let wave = Wave::new(gpu, form, scene, buffers.stack)?;
         let g = gpu.clone();
         g.scoped(|| {
-            let states = gpu.room("states", form.rows * slots + probes.len() as u64)?;
-            if !probes.is_empty() {
-                let at = 4 * form.rows * slots;
-                gpu.queue.write_buffer(&states.raw, at, bytemuck::cast_slice(&probes));
+            let states = gpu.room("states", form.rows * slots + words.len() as u64)?;
+            let at = 4 * form.rows * slots;
+            if !words.is_empty() {
+                gpu.queue.write_buffer(&states.raw, at, bytemuck::cast_slice(words));
+            }
+            if let Some((place, elements)) = &behind.elements {
+                let mut encoder = gpu.encoder();
+                let (from, size) = (&elements.words.raw, 4 * elements.word_count);
+                encoder.copy_buffer_to_buffer(from, 0, &states.raw, at + 4 * *place as u64, size);
+                gpu.submit(encoder);
             }
             let queue = gpu.room("queue", QUEUE_HEAD + 2 * slots)?;
             let groups = gpu.room("groups", 4)?;
@@ -101,6 +123,8 @@ impl PathTask {
                 job: job.clone(),
                 start,
                 form,
+                probes: behind.probes as u32,
+                once,
                 wave,
                 slots,
                 uniform,
@@ -177,16 +201,21 @@ impl PathTask {
         self.next.0
     }
 
+    /// Slots of a unit.
+    fn length(&self) -> u64 {
+        u64::from(self.job.block_length) + u64::from(self.once)
+    }
+
     /// As much as the slots hold: whole units, or a part of one.
     fn next_part(&self) -> Option<Part> {
         let (unit, sample) = self.next;
         if unit >= self.total() {
             return None;
         }
-        let length = u64::from(self.job.block_length);
+        let length = self.length();
         let part = if sample == 0 && length <= self.slots {
             let units = (self.slots / length).min(self.total() - unit);
-            Part { first_unit: unit, units, first_sample: 0, samples: self.job.block_length }
+            Part { first_unit: unit, units, first_sample: 0, samples: length as u32 }
         } else {
             let samples = (length - u64::from(sample)).min(self.slots) as u32;
             Part { first_unit: unit, units: 1, first_sample: sample, samples }
@@ -200,7 +229,7 @@ impl PathTask {
             PathStart::Image { width, inside } => (*width, inside.packed()),
             PathStart::Probes(_) => (0, [0; 3]),
         };
-        let probes = if width == 0 { (self.form.rows * self.slots) as u32 } else { 0 };
+        let probes = if width == 0 { (self.form.rows * self.slots) as u32 + self.probes } else { 0 };
         let words: [u32; JOB_WORDS] = [
             self.job.seed as u32,
             (self.job.seed >> 32) as u32,
@@ -271,21 +300,28 @@ impl PathTask {
         let (measured, rays) = words.split_at((3 * slots).min(words.len()));
         let mut slot = 0;
         for _ in 0..part.units {
-            for _ in 0..part.samples {
-                for (channel, sum) in self.sum.iter_mut().enumerate() {
-                    *sum += f64::from(f32::from_bits(measured[channel * slots + slot]));
+            let mut once = [0.0; 3];
+            for sample in 0..part.samples {
+                let value = [0, 1, 2].map(|c| f64::from(f32::from_bits(measured[c * slots + slot])));
+                if part.first_sample + sample < self.job.block_length {
+                    for (sum, x) in self.sum.iter_mut().zip(value) {
+                        *sum += x;
+                    }
+                } else {
+                    once = value;
                 }
                 self.stats.rays += u64::from(rays[slot]);
                 slot += 1;
             }
             let taken = part.first_sample + part.samples;
-            if taken < self.job.block_length {
+            if u64::from(taken) < self.length() {
                 self.next.1 = taken;
                 continue;
             }
             self.next = (self.next.0 + 1, 0);
             let sum = std::mem::take(&mut self.sum);
-            self.means.push(sum.map(|s| s / f64::from(self.job.block_length.max(1))));
+            let length = f64::from(self.job.block_length.max(1));
+            self.means.push([0, 1, 2].map(|c| sum[c] / length + once[c]));
             if self.means.len() as u64 == self.elements {
                 let block = self.job.blocks.start + ((self.next.0 - 1) / self.elements) as u32;
                 self.film.add_blocks(block..block + 1, &self.means)?;

@@ -1,5 +1,6 @@
 //! The shaders of a wave, and what the words of its states and probes are.
 
+use super::elements::ElementBuffers;
 use super::features;
 use super::scene::OFFSETS;
 use super::task::bindings;
@@ -22,8 +23,8 @@ pub(crate) enum PathStart {
     Probes(Vec<ProbeStart>),
 }
 
-/// One of the two tracers of paths: surfaces alone need smaller states.
-#[derive(Debug)]
+/// One of the tracers of paths: surfaces alone need smaller states than media, and what reads a map others.
+#[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Form {
     /// The file of its entry points.
     module: &'static str,
@@ -31,10 +32,24 @@ pub(crate) struct Form {
     pub(crate) rows: u64,
     /// Probes say what they lie in.
     media: bool,
+    features: &'static [&'static str],
 }
 
-const SURFACES: Form = Form { module: "wavefront::path", rows: 33, media: false };
-const VOLUME: Form = Form { module: "wavefront::volume", rows: 45, media: true };
+const SURFACES: Form = Form { module: "wavefront::path", rows: 33, media: false, features: &[] };
+const VOLUME: Form = Form { module: "wavefront::volume", rows: 45, media: true, features: &[] };
+pub(crate) const GATHER: Form =
+    Form { module: "wavefront::gather", rows: 45, media: false, features: &["GATHER", "JOB_COUNTS"] };
+
+/// What the paths of a job read beside the scene, behind their states: words, and where among them those of probes begin.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Behind {
+    pub(crate) words: Vec<u32>,
+    pub(crate) probes: usize,
+    /// Words of elements, which are on the device, and where among these words they belong.
+    pub(crate) elements: Option<(usize, Arc<ElementBuffers>)>,
+    /// The last slot of each block is no sample but what all samples have: it is added to their mean.
+    pub(crate) once: bool,
+}
 
 impl Form {
     /// That which carries what a scene needs.
@@ -74,7 +89,8 @@ impl Wave {
         scene: &CompiledScene,
         stack: usize,
     ) -> Result<Self, BackendError> {
-        let features = features::of(scene);
+        let mut features = features::of(scene);
+        features.extend(form.features);
         let module = form.module;
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use {module}\n");
         let name = format!("path {} stack {stack}", features.join(" "));

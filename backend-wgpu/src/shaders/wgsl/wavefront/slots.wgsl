@@ -166,6 +166,9 @@ fn wave_probe_normal(at: u32) -> vec3<f32> { return wave_probe(at + 4u); }
 fn trace(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = wave_slot(id.x);
     if slot == job.slots { return; }
+    //: if GATHER
+    if wave_get(slot, ROW_QUERY) == QUERY_HERE { return; }
+    //: end
     let hit = tree_walk(wave_ray(slot), wave_get(slot, ROW_QUERY) == QUERY_SHADOW);
     wave_put_float(slot, ROW_HIT, hit.t);
     wave_put(slot, ROW_HIT + 1u, hit.primitive);
