@@ -8,7 +8,7 @@ use etendue_conformance::scenes::{cases, diffuse, environment, point_light, room
 use etendue_core::backend::{PhotonJob, PhotonStart, illumination_film_settings};
 use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
-use etendue_core::scene::{CompiledScene, LightDesc, MaterialKind, SceneDesc, ShapeKind};
+use etendue_core::scene::{CompiledScene, LightDesc, MaterialKind, Reflectance, SceneDesc, ShapeKind};
 use etendue_core::transport::photon::Sequence;
 use std::ops::Range;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ pub(crate) fn furnished() -> SceneDesc {
             diffuse("lamp", 0.1, 2.0),
             etendue_conformance::scenes::material(
                 "mirror",
-                MaterialKind::Mirror { reflectance: [0.9; 3] },
+                MaterialKind::Mirror { albedo: Reflectance::flat([0.9; 3]) },
                 0.0,
             ),
         ],
