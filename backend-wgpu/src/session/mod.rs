@@ -3,6 +3,8 @@
 mod direct;
 mod elements;
 mod features;
+mod gather;
+mod maps;
 mod path;
 mod photons;
 mod scene;
@@ -24,7 +26,8 @@ use crate::relight::Prepared;
 use crate::unsupported;
 use elements::KeptElements;
 use etendue_core::backend::{
-    self, BackendError, Control, JobStats, PathJob, PhotonJob, PhotonStart, Probe, Session, check_probes,
+    self, BackendError, Control, GatherJob, GivenMap, JobStats, PathJob, PhotonJob, Probe, Session,
+    check_probes,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::geometry::Intersector;
@@ -34,10 +37,13 @@ use etendue_core::radiosity::patches::PatchMap;
 use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
 use etendue_core::radiosity::transfer::{self, PatchGrid, Transfer};
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::volume::{Surroundings, probe_starts};
+use etendue_core::transport::first_shot::{self, Forecast, Subdivision};
+use etendue_core::transport::volume::{LightMedia, Surroundings, probe_starts};
 use etendue_tree::WideTree;
+use gather::Target;
+use maps::KeptShot;
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use task::Task as _;
 
@@ -51,6 +57,9 @@ pub struct WgpuSession {
     preparation: Vec<(&'static str, f64)>,
     sent: Mutex<Option<(Arc<Gpu>, Arc<SceneBuffers>)>>,
     elements: KeptElements,
+    /// What the lights send into, once it is asked for.
+    media: OnceLock<LightMedia>,
+    shot: KeptShot,
     operators: Prepared,
 }
 
@@ -67,6 +76,8 @@ impl WgpuSession {
             surroundings,
             preparation: Vec::new(),
             elements: KeptElements::default(),
+            media: OnceLock::new(),
+            shot: KeptShot::default(),
             sent: Mutex::new(None),
             operators: Prepared::default(),
         };
@@ -140,43 +151,6 @@ impl WgpuSession {
     ) -> Result<DirectTask, BackendError> {
         let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
         DirectTask::new(gpu, &self.scene, &buffers, elements, job, Film::new(*settings))
-    }
-
-    /// An illumination map as a task that never waits.
-    ///
-    /// # Errors
-    /// As [`Session::illumination`].
-    pub fn illumination_task(&self, job: &PhotonJob) -> Result<PhotonTask, BackendError> {
-        let elements = self.elements(&job.elements);
-        let settings = backend::illumination_film_settings(&self.scene, &elements, job)?;
-        self.check_photons(job)?;
-        self.photons(&self.source.gpu(), job, &elements, &settings)
-    }
-
-    fn photons(
-        &self,
-        gpu: &Arc<Gpu>,
-        job: &PhotonJob,
-        elements: &Arc<Elements>,
-        settings: &FilmSettings,
-    ) -> Result<PhotonTask, BackendError> {
-        let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
-        PhotonTask::new(gpu, &self.scene, &buffers, elements, (job, None), false, Film::new(*settings))
-    }
-
-    fn check_photons(&self, job: &PhotonJob) -> Result<(), BackendError> {
-        job.check()?;
-        let needs = &self.scene.needs;
-        if let Some(missing) = needs.beyond_photons() {
-            return Err(BackendError::SceneNeeds { method: "photon", missing });
-        }
-        if matches!(job.start, PhotonStart::Surfaces { .. }) {
-            return Err(unsupported("photons that start on surfaces (the cpu backend does)"));
-        }
-        match needs.beyond_surfaces() {
-            Some(missing) => Err(unsupported(format!("photons through {missing} (the cpu backend does)"))),
-            None => Ok(()),
-        }
     }
 
     fn check_direct(&self, job: &PathJob) -> Result<(), BackendError> {
@@ -288,21 +262,65 @@ impl Session for WgpuSession {
         Ok(stats)
     }
 
+    fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {
+        self.check_photons()?;
+        // A few thousand photons, once: the host's tree is at hand.
+        Ok(first_shot::forecast(&self.scene, (&self.tree, self.media()), subdivision, photons)?)
+    }
+
     fn illumination(
         &self,
         job: &PhotonJob,
         control: &dyn Control,
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
-        job.check()?;
-        let elements = self.elements(&job.elements);
-        let expected = backend::illumination_film_settings(&self.scene, &elements, job)?;
-        self.check_photons(job)?;
-        same_film(film, &expected)?;
-        let (part, stats) =
-            self.source.run(|gpu| self.photons(gpu, job, &elements, &expected)?.drive(control))?;
-        film.merge(&part)?;
-        Ok(stats)
+        self.illuminate(job, control, film)
+    }
+
+    fn photon_image(
+        &self,
+        job: &GatherJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, &job.path)?;
+        self.gather(job, (&expected, self.image_target(expected.width)), control, film)
+    }
+
+    fn photon_probes(
+        &self,
+        job: &GatherJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        let places = self.places(probes, job.gather)?;
+        self.gather(job, (&expected, Target::Probes(&places)), control, film)
+    }
+
+    fn map_image(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.read(job, map, (&expected, self.image_target(expected.width)), control, film)
+    }
+
+    fn map_probes(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, job, probes.len());
+        let places = self.places(probes, map.gather)?;
+        self.read(job, map, (&expected, Target::Probes(&places)), control, film)
     }
 
     fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {

@@ -86,7 +86,7 @@ impl PathTask {
     }
 
     /// The same of any form.
-    pub(crate) fn with(
+    pub(super) fn with(
         gpu: &Arc<Gpu>,
         scene: &CompiledScene,
         buffers: &SceneBuffers,

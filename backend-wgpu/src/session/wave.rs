@@ -42,13 +42,13 @@ pub(crate) const GATHER: Form =
 
 /// What the paths of a job read beside the scene, behind their states: words, and where among them those of probes begin.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Behind {
-    pub(crate) words: Vec<u32>,
-    pub(crate) probes: usize,
+pub(super) struct Behind {
+    pub(super) words: Vec<u32>,
+    pub(super) probes: usize,
     /// Words of elements, which are on the device, and where among these words they belong.
-    pub(crate) elements: Option<(usize, Arc<ElementBuffers>)>,
+    pub(super) elements: Option<(usize, Arc<ElementBuffers>)>,
     /// The last slot of each block is no sample but what all samples have: it is added to their mean.
-    pub(crate) once: bool,
+    pub(super) once: bool,
 }
 
 impl Form {

@@ -54,7 +54,11 @@ const ELSEWHERE: &[[&str; 3]] = &[
     ["grid_value(", "fn grid_value(", "fn grid_value(i: u32) -> f32 { return f32(i); }"],
     ["element_word(", "fn element_word(", "fn element_word(i: u32) -> u32 { return i; }"],
     ["job_word(", "fn job_word(", "fn job_word(i: u32) -> u32 { return i; }"],
-    ["map_value(", "fn map_value(", "fn map_value(at: u32, i: u32) -> vec3<f32> { return vec3(f32(at + i)); }"],
+    [
+        "map_value(",
+        "fn map_value(",
+        "fn map_value(at: u32, i: u32) -> vec3<f32> { return vec3(f32(at + i)); }",
+    ],
     ["COUNTS_OF_JOB", "const COUNTS_OF_JOB", "const COUNTS_OF_JOB: u32 = 0x80000000u;"],
     ["counts_at", "> counts_at:", "var<private> counts_at: u32;"],
     ["&sums[", "> sums:", "@group(0) @binding(8) var<storage, read_write> sums: array<atomic<u32>>;"],

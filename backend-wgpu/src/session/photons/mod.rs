@@ -418,6 +418,11 @@ impl PhotonTask {
         (self.film, self.stats)
     }
 
+    /// Irradiance \[W/m^2\] per element of the last replicate, of caustics behind it where they are kept; and what the job took.
+    pub(super) fn finish_values(self) -> (Vec<[f32; 3]>, JobStats) {
+        (self.values.iter().map(|v| v.map(|x| x as f32)).collect(), self.stats)
+    }
+
     /// What is in the film so far: whole replicates.
     pub fn film(&self) -> &Film {
         &self.film
