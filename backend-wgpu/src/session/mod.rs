@@ -4,7 +4,10 @@ mod bidirectional;
 mod direct;
 mod elements;
 mod features;
+mod gather;
+mod maps;
 mod path;
+mod photons;
 mod rows;
 mod scene;
 mod task;
@@ -15,6 +18,7 @@ pub(crate) use scene::OFFSETS;
 
 pub use direct::DirectTask;
 pub use path::PathTask;
+pub use photons::PhotonTask;
 pub(crate) use scene::SceneBuffers;
 pub use task::Step;
 pub(crate) use wave::PathStart;
@@ -25,7 +29,8 @@ use crate::unsupported;
 use bidirectional::BothEnds;
 use elements::KeptElements;
 use etendue_core::backend::{
-    self, BackendError, BidirectionalJob, Control, FormFactorJob, JobStats, PathJob, Probe, Session,
+    self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob,
+    PhotonJob, Probe, Session,
     check_probes,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
@@ -38,10 +43,13 @@ use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Works
 use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
 use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
+use etendue_core::transport::first_shot::{self, Forecast, Subdivision};
 use etendue_core::transport::volume::{LightMedia, Surroundings, probe_starts};
 use etendue_cpu::Radiosity;
 use etendue_tree::WideTree;
-use std::sync::{Arc, Mutex, PoisonError};
+use gather::Target;
+use maps::KeptShot;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use task::Task as _;
 
@@ -55,6 +63,9 @@ pub struct WgpuSession {
     preparation: Vec<(&'static str, f64)>,
     sent: Mutex<Option<(Arc<Gpu>, Arc<SceneBuffers>)>>,
     elements: KeptElements,
+    /// What the lights send into, once it is asked for.
+    media: OnceLock<LightMedia>,
+    shot: KeptShot,
     operators: Prepared,
     /// What of a bake the host does.
     host: Radiosity,
@@ -73,6 +84,8 @@ impl WgpuSession {
             surroundings,
             preparation: Vec::new(),
             elements: KeptElements::default(),
+            media: OnceLock::new(),
+            shot: KeptShot::default(),
             sent: Mutex::new(None),
             operators: Prepared::default(),
             host: Radiosity::default(),
@@ -315,6 +328,67 @@ impl Session for WgpuSession {
             self.source.run(|gpu| self.direct(gpu, job, &elements, &expected)?.drive(control))?;
         film.merge(&part)?;
         Ok(stats)
+    }
+
+    fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {
+        self.check_photons()?;
+        // A few thousand photons, once: the host's tree is at hand.
+        Ok(first_shot::forecast(&self.scene, (&self.tree, self.media()), subdivision, photons)?)
+    }
+
+    fn illumination(
+        &self,
+        job: &PhotonJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        self.illuminate(job, control, film)
+    }
+
+    fn photon_image(
+        &self,
+        job: &GatherJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, &job.path)?;
+        self.gather(job, (&expected, self.image_target(expected.width)), control, film)
+    }
+
+    fn photon_probes(
+        &self,
+        job: &GatherJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        let places = self.places(probes, job.gather)?;
+        self.gather(job, (&expected, Target::Probes(&places)), control, film)
+    }
+
+    fn map_image(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.read(job, map, (&expected, self.image_target(expected.width)), control, film)
+    }
+
+    fn map_probes(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, job, probes.len());
+        let places = self.places(probes, map.gather)?;
+        self.read(job, map, (&expected, Target::Probes(&places)), control, film)
     }
 
     fn patches(&self, settings: &PatchSettings) -> Result<PatchMap, BackendError> {
