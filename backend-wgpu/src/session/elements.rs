@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) struct ElementBuffers {
     pub(super) elements: Arc<Elements>,
     pub(super) words: Buffer,
+    pub(super) word_count: u64,
     pub(super) primitives: u64,
     /// Equal parts of all primitives together.
     pub(super) divisions: u64,
@@ -35,9 +36,10 @@ impl ElementBuffers {
         let lights = scene.lights.iter().zip(0..).filter(|(light, _)| emit::is_point_like(light));
         words.extend(lights.map(|(_, number)| number));
         let lights = [first_light, words.len() as u32 - first_light];
+        let word_count = words.len() as u64;
         let words = gpu.scoped(|| gpu.upload("elements", &words))?;
         let primitives = places.len() as u64;
-        Ok(Self { elements, words, primitives, divisions, nodes: first_node, lights })
+        Ok(Self { elements, words, word_count, primitives, divisions, nodes: first_node, lights })
     }
 }
 

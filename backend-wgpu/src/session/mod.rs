@@ -1,9 +1,13 @@
 //! A scene on a device, and the jobs on it.
 
+mod bidirectional;
 mod direct;
 mod elements;
 mod features;
+mod gather;
+mod maps;
 mod path;
+mod photons;
 mod rows;
 mod scene;
 mod task;
@@ -14,6 +18,7 @@ pub(crate) use scene::OFFSETS;
 
 pub use direct::DirectTask;
 pub use path::PathTask;
+pub use photons::PhotonTask;
 pub(crate) use scene::SceneBuffers;
 pub use task::Step;
 pub(crate) use wave::PathStart;
@@ -21,9 +26,11 @@ pub(crate) use wave::PathStart;
 use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
 use crate::unsupported;
+use bidirectional::BothEnds;
 use elements::KeptElements;
 use etendue_core::backend::{
-    self, BackendError, Control, FormFactorJob, JobStats, PathJob, Probe, Session, check_probes,
+    self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob,
+    PhotonJob, Probe, Session, check_probes,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::illumination::{ElementSettings, Elements};
@@ -35,10 +42,13 @@ use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Works
 use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
 use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::volume::{Surroundings, probe_starts};
+use etendue_core::transport::first_shot::{self, Forecast, Subdivision};
+use etendue_core::transport::volume::{LightMedia, Surroundings, probe_starts};
 use etendue_cpu::Radiosity;
 use etendue_tree::WideTree;
-use std::sync::{Arc, Mutex, PoisonError};
+use gather::Target;
+use maps::KeptShot;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use task::Task as _;
 
@@ -52,6 +62,9 @@ pub struct WgpuSession {
     preparation: Vec<(&'static str, f64)>,
     sent: Mutex<Option<(Arc<Gpu>, Arc<SceneBuffers>)>>,
     elements: KeptElements,
+    /// What the lights send into, once it is asked for.
+    media: OnceLock<LightMedia>,
+    shot: KeptShot,
     operators: Prepared,
     /// What of a bake the host does.
     host: Radiosity,
@@ -70,6 +83,8 @@ impl WgpuSession {
             surroundings,
             preparation: Vec::new(),
             elements: KeptElements::default(),
+            media: OnceLock::new(),
+            shot: KeptShot::default(),
             sent: Mutex::new(None),
             operators: Prepared::default(),
             host: Radiosity::default(),
@@ -96,12 +111,18 @@ impl WgpuSession {
     fn task(
         &self,
         gpu: &Arc<Gpu>,
-        job: &PathJob,
+        job: (&PathJob, Option<&BothEnds>),
         start: PathStart,
         settings: &FilmSettings,
     ) -> Result<PathTask, BackendError> {
         let buffers = self.buffers(gpu)?;
         PathTask::new(gpu, &self.scene, &buffers, job, start, Film::new(*settings))
+    }
+
+    /// What a job from both ends asks for beside paths.
+    fn both_ends(&self, job: &BidirectionalJob) -> BothEnds {
+        let media = LightMedia::new(&self.scene, &self.tree, self.surroundings.outside);
+        BothEnds::new(job, &self.scene, &media)
     }
 
     /// An image as a task that never waits; [`PathTask::step`] drives it, within a host's frame loop say.
@@ -111,7 +132,7 @@ impl WgpuSession {
     pub fn path_image_task(&self, job: &PathJob) -> Result<PathTask, BackendError> {
         let settings = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
-        self.task(&self.source.gpu(), job, self.image(settings.width), &settings)
+        self.task(&self.source.gpu(), (job, None), self.image(settings.width), &settings)
     }
 
     /// Probes as a task that never waits.
@@ -121,7 +142,33 @@ impl WgpuSession {
     pub fn path_probes_task(&self, job: &PathJob, probes: &[Probe]) -> Result<PathTask, BackendError> {
         let settings = backend::probe_film_settings(&self.scene, job, probes.len());
         self.check_paths(job)?;
-        self.task(&self.source.gpu(), job, self.probes(probes)?, &settings)
+        self.task(&self.source.gpu(), (job, None), self.probes(probes)?, &settings)
+    }
+
+    /// An image from both ends as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`Session::bidirectional_image`].
+    pub fn bidirectional_image_task(&self, job: &BidirectionalJob) -> Result<PathTask, BackendError> {
+        let settings = backend::image_film_settings(&self.scene, &job.path)?;
+        self.check_paths(&job.path)?;
+        let ends = self.both_ends(job);
+        self.task(&self.source.gpu(), (&job.path, Some(&ends)), self.image(settings.width), &settings)
+    }
+
+    /// Probes from both ends as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`Session::bidirectional_probes`].
+    pub fn bidirectional_probes_task(
+        &self,
+        job: &BidirectionalJob,
+        probes: &[Probe],
+    ) -> Result<PathTask, BackendError> {
+        let settings = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        self.check_paths(&job.path)?;
+        let ends = self.both_ends(job);
+        self.task(&self.source.gpu(), (&job.path, Some(&ends)), self.probes(probes)?, &settings)
     }
 
     /// Direct irradiance as a task that never waits.
@@ -181,7 +228,7 @@ impl WgpuSession {
 
     fn run(
         &self,
-        job: &PathJob,
+        job: (&PathJob, Option<&BothEnds>),
         start: &PathStart,
         control: &dyn Control,
         film: &mut Film,
@@ -222,7 +269,7 @@ impl Session for WgpuSession {
         let expected = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
         same_film(film, &expected)?;
-        self.run(job, &self.image(expected.width), control, film)
+        self.run((job, None), &self.image(expected.width), control, film)
     }
 
     fn path_probes(
@@ -235,7 +282,34 @@ impl Session for WgpuSession {
         let expected = backend::probe_film_settings(&self.scene, job, probes.len());
         self.check_paths(job)?;
         same_film(film, &expected)?;
-        self.run(job, &self.probes(probes)?, control, film)
+        self.run((job, None), &self.probes(probes)?, control, film)
+    }
+
+    fn bidirectional_image(
+        &self,
+        job: &BidirectionalJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, &job.path)?;
+        self.check_paths(&job.path)?;
+        same_film(film, &expected)?;
+        let ends = self.both_ends(job);
+        self.run((&job.path, Some(&ends)), &self.image(expected.width), control, film)
+    }
+
+    fn bidirectional_probes(
+        &self,
+        job: &BidirectionalJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        self.check_paths(&job.path)?;
+        same_film(film, &expected)?;
+        let ends = self.both_ends(job);
+        self.run((&job.path, Some(&ends)), &self.probes(probes)?, control, film)
     }
 
     fn direct_irradiance(
@@ -253,6 +327,67 @@ impl Session for WgpuSession {
             self.source.run(|gpu| self.direct(gpu, job, &elements, &expected)?.drive(control))?;
         film.merge(&part)?;
         Ok(stats)
+    }
+
+    fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {
+        self.check_photons()?;
+        // A few thousand photons, once: the host's tree is at hand.
+        Ok(first_shot::forecast(&self.scene, (&self.tree, self.media()), subdivision, photons)?)
+    }
+
+    fn illumination(
+        &self,
+        job: &PhotonJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        self.illuminate(job, control, film)
+    }
+
+    fn photon_image(
+        &self,
+        job: &GatherJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, &job.path)?;
+        self.gather(job, (&expected, self.image_target(expected.width)), control, film)
+    }
+
+    fn photon_probes(
+        &self,
+        job: &GatherJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        let places = self.places(probes, job.gather)?;
+        self.gather(job, (&expected, Target::Probes(&places)), control, film)
+    }
+
+    fn map_image(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.read(job, map, (&expected, self.image_target(expected.width)), control, film)
+    }
+
+    fn map_probes(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, job, probes.len());
+        let places = self.places(probes, map.gather)?;
+        self.read(job, map, (&expected, Target::Probes(&places)), control, film)
     }
 
     fn patches(&self, settings: &PatchSettings) -> Result<PatchMap, BackendError> {

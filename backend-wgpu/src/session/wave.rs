@@ -1,5 +1,6 @@
 //! The shaders of a wave, and what the words of its states and probes are.
 
+use super::elements::ElementBuffers;
 use super::features;
 use super::scene::OFFSETS;
 use super::task::bindings;
@@ -22,24 +23,54 @@ pub(crate) enum PathStart {
     Probes(Vec<ProbeStart>),
 }
 
-/// One of the two tracers of paths: surfaces alone need smaller states.
-#[derive(Debug)]
+/// One of the tracers: surfaces alone need smaller states than media, and what reads a map others.
+#[derive(Clone, Debug)]
 pub(crate) struct Form {
-    /// The file of its entry points.
+    /// The file of its entry points, and those of a step after `trace`.
     module: &'static str,
+    parts: &'static [&'static str],
     /// Words of a state.
     pub(crate) rows: u64,
     /// Probes say what they lie in.
     media: bool,
+    features: Vec<&'static str>,
 }
 
-const SURFACES: Form = Form { module: "wavefront::path", rows: 33, media: false };
-const VOLUME: Form = Form { module: "wavefront::volume", rows: 45, media: true };
+/// What the paths of a job read beside the scene, behind their states: words, and where among them those of probes begin.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Behind {
+    pub(super) words: Vec<u32>,
+    pub(super) probes: usize,
+    /// Words of elements, which are on the device, and where among these words they belong.
+    pub(super) elements: Option<(usize, Arc<ElementBuffers>)>,
+    /// The last slot of each block is no sample but what all samples have: it is added to their mean.
+    pub(super) once: bool,
+}
 
 impl Form {
-    /// That which carries what a scene needs.
-    pub(crate) fn of(scene: &CompiledScene) -> &'static Self {
-        if scene.needs.volume() { &VOLUME } else { &SURFACES }
+    /// Paths, with what a scene needs.
+    pub(crate) fn paths(scene: &CompiledScene) -> Self {
+        let media = scene.needs.volume();
+        let (module, rows) = if media { ("wavefront::volume", 45) } else { ("wavefront::path", 33) };
+        Self { module, parts: &["advance"], rows, media, features: features::of(scene) }
+    }
+
+    /// Paths that read a map.
+    pub(crate) fn gather(scene: &CompiledScene) -> Self {
+        let mut features = features::of(scene);
+        features.extend(["GATHER", "JOB_COUNTS"]);
+        Self { module: "wavefront::gather", parts: &["advance"], rows: 45, media: false, features }
+    }
+
+    /// Samples from both ends, with states of so many words.
+    pub(crate) fn both_ends(scene: &CompiledScene, features: Vec<&'static str>, rows: u64) -> Self {
+        let media = scene.needs.volume();
+        let parts: &[_] = if features.contains(&"SEARCH") {
+            &["arrive", "scatter", "join", "search"]
+        } else {
+            &["arrive", "scatter", "join"]
+        };
+        Self { module: "wavefront::bidirectional", parts, rows, media, features }
     }
 
     /// Position, extent and normal of each probe, and what it lies in.
@@ -62,31 +93,28 @@ impl Form {
 #[derive(Debug)]
 pub(crate) struct Wave {
     pub(crate) start: Arc<Pipeline>,
-    pub(crate) trace: Arc<Pipeline>,
-    pub(crate) advance: Arc<Pipeline>,
+    /// The parts of a step, in their order.
+    pub(crate) step: Vec<Arc<Pipeline>>,
     pub(crate) turn: Arc<Pipeline>,
 }
 
 impl Wave {
-    pub(crate) fn new(
-        gpu: &Gpu,
-        form: &Form,
-        scene: &CompiledScene,
-        stack: usize,
-    ) -> Result<Self, BackendError> {
-        let features = features::of(scene);
-        let module = form.module;
+    pub(crate) fn new(gpu: &Gpu, form: &Form, stack: usize) -> Result<Self, BackendError> {
+        let Form { module, features, .. } = form;
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use {module}\n");
         let name = format!("path {} stack {stack}", features.join(" "));
-        let link = Link { root: &root, features: &features, mutations: &[] };
+        let link = Link { root: &root, features, mutations: &[] };
         let bindings = bindings([Binding::Write, Binding::Write]);
         let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &bindings);
         let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
         let key = PipelineKey { name: "turn".into(), entry: "turn" };
         Ok(Self {
             start: pipeline("start")?,
-            trace: pipeline("trace")?,
-            advance: pipeline("advance")?,
+            step: ["trace"]
+                .iter()
+                .chain(form.parts)
+                .map(|entry| pipeline(entry))
+                .collect::<Result<_, _>>()?,
             turn: gpu.pipeline(key, turn, &[Binding::Write, Binding::Write])?,
         })
     }
