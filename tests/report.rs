@@ -6,13 +6,13 @@ mod common;
 
 use common::{Folder, closed_cornell, path_text, root, run};
 use etendue::core::backend::Session;
+use etendue::core::scene::compile;
 use etendue::driver::{Outcome, Progress, Silent, Watcher};
 use etendue::engine::{BackendKind, open_backend};
 use etendue::io::load_scene;
 use etendue::report::{
     Contender, Curve, Measured, Picture, Plan, ReportError, Run, Sampling, SamplingMethod, measure, read_runs,
 };
-use etendue::core::scene::compile;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Side of the images of these tests.
@@ -188,7 +188,9 @@ fn bad_orders_are_refused() {
     run(&["report", "--runs", "missing.csv", "-o", &out]).exits(3).says(&["missing.csv"]);
     let png = folder.join("mask.png");
     etendue::io::write_png(&png, 2, 2, &[[255; 3]; 4]).unwrap();
-    run(&["report", &scene, "-o", &out, "--mask", &path_text(&png)]).exits(3).says(&["2 x 2 pixels, expected"]);
+    run(&["report", &scene, "-o", &out, "--mask", &path_text(&png)])
+        .exits(3)
+        .says(&["2 x 2 pixels, expected"]);
 }
 
 #[test]

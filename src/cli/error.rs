@@ -57,7 +57,9 @@ impl CliError {
             Self::Bake(BakeError::Backend(e)) | Self::Backend(e) => backend_code(e),
             Self::Bake(_) => INPUT,
             Self::Usage(_) => USAGE,
-            Self::Report(ReportError::Backend(e) | ReportError::Bake(BakeError::Backend(e))) => backend_code(e),
+            Self::Report(ReportError::Backend(e) | ReportError::Bake(BakeError::Backend(e))) => {
+                backend_code(e)
+            }
             Self::Report(ReportError::Save(_) | ReportError::Figure(_)) => RESOURCE,
             Self::Report(_) => INPUT,
             Self::Save(_) | Self::NoFolder { .. } | Self::Folder { .. } => RESOURCE,

@@ -76,10 +76,8 @@ pub(super) struct Args {
 
 /// Runs the verb.
 pub(super) fn run(args: &Args) -> Result<ExitCode, CliError> {
-    std::fs::create_dir_all(&args.output).map_err(|e| CliError::Folder {
-        folder: args.output.display().to_string(),
-        reason: e.to_string(),
-    })?;
+    std::fs::create_dir_all(&args.output)
+        .map_err(|e| CliError::Folder { folder: args.output.display().to_string(), reason: e.to_string() })?;
     match (&args.runs, &args.scene) {
         (Some(file), _) => draw(args, file),
         (None, Some(scene)) => measure(args, scene),
@@ -120,15 +118,10 @@ fn measure(args: &Args, file: &Path) -> Result<ExitCode, CliError> {
         ..Facts::default()
     };
     let sessions = sessions(args, Arc::new(scene), &mut facts)?;
-    let methods: Vec<String> = args
-        .methods
-        .iter()
-        .filter_map(|m| m.to_possible_value().map(|v| v.get_name().to_owned()))
-        .collect();
-    let mut contenders: Vec<_> = sessions
-        .iter()
-        .flat_map(|(name, session)| report::contenders(&**session, name, &methods))
-        .collect();
+    let methods: Vec<String> =
+        args.methods.iter().filter_map(|m| m.to_possible_value().map(|v| v.get_name().to_owned())).collect();
+    let mut contenders: Vec<_> =
+        sessions.iter().flat_map(|(name, session)| report::contenders(&**session, name, &methods)).collect();
     let plan = Plan { seconds: facts.budget, replicates: args.replicates, seed: args.seed, size, mask };
     let bar = Bar::new(&args.talk);
     let measured = report::measure(&mut contenders, &plan, reference, &bar);

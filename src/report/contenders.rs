@@ -73,9 +73,7 @@ impl SamplingMethod {
                 let from = if matches!(start, PhotonStart::Lights { .. }) { "lights" } else { "surfaces" };
                 let gather = if gather { " --gather" } else { "" };
                 let photons = samples * PHOTONS_PER_SAMPLE;
-                format!(
-                    "--method photon --from {from}{gather} --samples {samples} --photons {photons}"
-                )
+                format!("--method photon --from {from}{gather} --samples {samples} --photons {photons}")
             }
         }
     }

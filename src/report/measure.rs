@@ -164,7 +164,8 @@ pub fn measure<'a>(
     if measured.runs.is_empty() {
         let list: Vec<String> =
             measured.left_out.iter().map(|l| format!("{}: {}", l.curve.name(), l.reason)).collect();
-        let reason = if list.is_empty() { "stopped before the first run ended".into() } else { list.join("; ") };
+        let reason =
+            if list.is_empty() { "stopped before the first run ended".into() } else { list.join("; ") };
         return Err(ReportError::Nothing { reason });
     }
     Ok(measured)

@@ -29,8 +29,8 @@ pub use structure::Structure;
 pub use summary::{Cell, CurveSummary, Middle, Summary};
 pub use verdict::{Bias, Goal};
 
-use crate::driver::{Outcome, Watcher};
 use crate::driver::radiosity::BakeError;
+use crate::driver::{Outcome, Watcher};
 use crate::io::{LoadError, SaveError};
 use crate::metrics::MetricsError;
 use etendue_core::backend::BackendError;

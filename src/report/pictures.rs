@@ -75,10 +75,8 @@ impl Pictures {
         let mut list = Vec::new();
         for curve in &summary.curves {
             let far = |s: f64| (s / seconds).ln().abs();
-            let nearest = curve
-                .cells
-                .iter()
-                .min_by(|a, b| far(a.seconds.median).total_cmp(&far(b.seconds.median)))?;
+            let nearest =
+                curve.cells.iter().min_by(|a, b| far(a.seconds.median).total_cmp(&far(b.seconds.median)))?;
             let Some(sums) = measured.sums.get(&(curve.curve.clone(), nearest.rung)) else { continue };
             let wrong: Vec<[u8; 3]> =
                 sums.radiance.iter().zip(reference).map(|(x, r)| difference(*x, *r, LEAST * mean)).collect();

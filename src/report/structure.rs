@@ -47,12 +47,7 @@ impl Structure {
     }
 
     /// The two parts of the error; `None` below two replicates or for a black reference.
-    pub fn parts(
-        &self,
-        r: &[[f32; 3]],
-        var_r: Option<&[[f32; 3]]>,
-        mask: Option<&[bool]>,
-    ) -> Option<Parts> {
+    pub fn parts(&self, r: &[[f32; 3]], var_r: Option<&[[f32; 3]]>, mask: Option<&[bool]>) -> Option<Parts> {
         let n = f64::from(self.count);
         if self.count < 2 {
             return None;

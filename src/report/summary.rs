@@ -145,8 +145,7 @@ impl Summary {
         for curve in &mut curves {
             curve.noise_efficiency = plain.zip(noise_price(curve)).map(|(plain, own)| plain / own);
         }
-        let replicates =
-            curves.iter().flat_map(|c| &c.cells).map(|c| c.replicates).max().unwrap_or(0);
+        let replicates = curves.iter().flat_map(|c| &c.cells).map(|c| c.replicates).max().unwrap_or(0);
         Self { curves, reference_error: errors, replicates }
     }
 

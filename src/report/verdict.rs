@@ -63,8 +63,7 @@ impl Bias {
             width[c] = t * (variance + reference[c].powi(2)).sqrt();
         }
         let energy_off = (0..3).any(|c| energy[c].is_finite() && energy[c].abs() > width[c]);
-        let lasting_off =
-            parts.is_some_and(|p| p.chance < sidak(ALPHA, tests) && p.lasting > WORTH);
+        let lasting_off = parts.is_some_and(|p| p.chance < sidak(ALPHA, tests) && p.lasting > WORTH);
         Some(Self { energy, width, energy_off, lasting: parts.map(|p| p.lasting), lasting_off })
     }
 
@@ -82,7 +81,8 @@ impl Bias {
     pub fn words(&self) -> String {
         let c = self.worst();
         let (mean, width) = (100.0 * self.energy[c], 100.0 * self.width[c]);
-        let energy = format!("{mean:+.2} \u{b1} {width:.2} % of the light in {}", ["red", "green", "blue"][c]);
+        let energy =
+            format!("{mean:+.2} \u{b1} {width:.2} % of the light in {}", ["red", "green", "blue"][c]);
         match (self.energy_off, self.lasting_off) {
             (true, true) => format!("biased: {energy}; {}", self.lasting_words()),
             (true, false) => format!("biased: {energy}"),
@@ -183,7 +183,8 @@ mod tests {
         for rung in 0..3_u32 {
             for replicate in 0..5_u32 {
                 // Fixed numbers in [-1, 1] that look like noise.
-                let u = f64::from((rung * 5 + replicate + 1).wrapping_mul(0x9E37_79B9)) / 2.0_f64.powi(31) - 1.0;
+                let u =
+                    f64::from((rung * 5 + replicate + 1).wrapping_mul(0x9E37_79B9)) / 2.0_f64.powi(31) - 1.0;
                 let bias = shift + noise * u / f64::from(1 << rung).sqrt();
                 list.push(Run {
                     method: "x".into(),

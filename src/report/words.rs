@@ -36,12 +36,8 @@ pub(super) fn conclusion(summary: &Summary, goals: &[Goal]) -> Vec<String> {
     let measured = |g: &&Goal| g.ways.first().is_some_and(|w| !w.beyond);
     let fine = goals.iter().rev().find(measured);
     if let Some((goal, best)) = fine.and_then(|g| Some((g, g.ways.first()?))) {
-        let mut text = format!(
-            "For an error of {} use {}: {}",
-            percent(goal.error),
-            name(best),
-            seconds(best.seconds)
-        );
+        let mut text =
+            format!("For an error of {} use {}: {}", percent(goal.error), name(best), seconds(best.seconds));
         if !best.options.is_empty() {
             text += &format!(" (`etendue render {}`)", best.options);
         }
@@ -76,7 +72,9 @@ pub(super) fn conclusion(summary: &Summary, goals: &[Goal]) -> Vec<String> {
     let off: Vec<String> = summary
         .curves
         .iter()
-        .filter_map(|c| Some(format!("{} ({})", c.name, c.bias.filter(super::verdict::Bias::is_off)?.words())))
+        .filter_map(|c| {
+            Some(format!("{} ({})", c.name, c.bias.filter(super::verdict::Bias::is_off)?.words()))
+        })
         .collect();
     if !off.is_empty() {
         list.push(format!("Mind what time does not mend: {}.", off.join(", ")));

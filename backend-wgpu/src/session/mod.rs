@@ -30,8 +30,7 @@ use bidirectional::BothEnds;
 use elements::KeptElements;
 use etendue_core::backend::{
     self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob,
-    PhotonJob, Probe, Session,
-    check_probes,
+    PhotonJob, Probe, Session, check_probes,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::illumination::{ElementSettings, Elements};
