@@ -254,7 +254,7 @@ const MUTANTS: &[Mutant] = &[
     ),
     (
         "splats without their carries",
-        "wavefront::bidirectional",
+        "wavefront::bidirectional::joints",
         "return u32(old + x < old);",
         "return 0u;",
         By::BothEnds("room"),
