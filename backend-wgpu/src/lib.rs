@@ -22,7 +22,7 @@ extern crate self as etendue_wgpu;
 pub use display::Picture;
 pub use gpu::{AdapterName, Bc1Texture, adapters};
 pub use relight::{BlocksOperator, Operator};
-pub use session::{DirectTask, PathTask, Step, WgpuSession};
+pub use session::{DirectTask, PathTask, PhotonTask, Step, WgpuSession};
 pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;
@@ -111,6 +111,12 @@ impl WgpuBackend {
     /// Whether shaders keep their arithmetic as written, so that sums and products have the CPU's bits.
     pub fn is_exact(&self) -> bool {
         self.source.gpu().is_exact()
+    }
+
+    /// The shaders that were made so far: name, entry point and the bytes that the device was given (SPIR-V, or the text where it takes none).
+    pub fn shaders(&self) -> Vec<(String, &'static str, usize)> {
+        let made = self.source.gpu().shader_bytes();
+        made.into_iter().map(|(key, bytes)| (key.name, key.entry, bytes)).collect()
     }
 
     /// How the device decodes textures of BC1. The first call tries it; the answer is kept.

@@ -141,7 +141,7 @@ fn mistakes_are_noticed() {
         (film(&scene, &settings, &job(0..1)), film(&scene, &settings, &job(0..1)));
     cpu.direct_irradiance(&job(0..1), &settings, &NoControl, &mut expected).unwrap();
     for (module, from, to) in [
-        ("wavefront::direct", "u32(old + x.x < old)", "0u"),
+        ("illumination::sums", "u32(old + x.x < old)", "0u"),
         ("wavefront::direct", "light < job.light_count", "light + 1u < job.light_count"),
         ("direct::irradiance", "math_abs(cos)", "math_max_number(cos, 0.0f)"),
         ("illumination::elements", "12.0f * cell.bary - 3.0f", "9.0f * cell.bary - 2.0f"),

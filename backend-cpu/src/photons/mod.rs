@@ -16,7 +16,7 @@ use etendue_core::medium::Inside;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::TransportCode;
 use etendue_core::transport::first_shot::FirstShot;
-use etendue_core::transport::photon::{Arrival, LightPlan, Sequence};
+use etendue_core::transport::photon::{Arrival, LightPlan, Replicate, Sequence};
 use etendue_core::transport::volume::LightMedia;
 use etendue_core::with_photon_tracer;
 use rayon::prelude::*;
@@ -24,8 +24,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 pub(crate) use direct::direct;
 pub(crate) use gather::{Target, gather, read};
+use starts::Source;
 pub(crate) use starts::first_shot;
-use starts::{Replicate, Source};
 use sums::{Part, Sums};
 
 /// Photons of one task, and between two looks at the control.
@@ -100,7 +100,7 @@ fn replicate(
     meter: &Meter<'_>,
 ) {
     let job = shared.job;
-    let replicate = Replicate::new(shared, number);
+    let replicate = Replicate::new(job.seed, job.sequence, job.photons, number);
     with_photon_tracer!(code, shared.scene, job.max_hits, |tracer| {
         let flight = tracer.flight(shared.media);
         pool.install(|| match job.sequence {

@@ -4,20 +4,13 @@ use super::Shared;
 use crate::tree::Tree;
 use etendue_core::direct::subdivide::Workspace;
 use etendue_core::geometry::{Hit, Intersector};
-use etendue_core::sampling::discrete::even_word;
-use etendue_core::sampling::numbers::Numbers;
 use etendue_core::scene::{CompiledScene, NO_INDEX};
 use etendue_core::transport::first_shot::{
     FirstShot, FirstShotError, LitPiece, Start, StartPlan, Subdivision, Weights,
 };
-use etendue_core::transport::photon::{
-    LightPlan, PICK_GROUP, Photon, PhotonFlight, START_GROUP, Sequence, Way,
-};
+use etendue_core::transport::photon::{LightPlan, Photon, PhotonFlight, Replicate, START_GROUP, Way};
 use etendue_core::transport::volume::LightMedia;
 use rayon::prelude::*;
-
-/// Pairs of one task of the precomputation.
-const PAIRS: usize = 512;
 
 /// The density of starts on surfaces, and the shadow rays it took. The same for any number of threads.
 pub(crate) fn first_shot(
@@ -28,17 +21,10 @@ pub(crate) fn first_shot(
     weights: Weights,
 ) -> Result<(FirstShot, u64), FirstShotError> {
     let plan = StartPlan::new(scene, media, *subdivision)?;
-    let tasks = plan.pairs().div_ceil(PAIRS);
     let parts: Vec<(Vec<LitPiece>, u64)> = pool.install(|| {
-        (0..tasks)
+        (0..plan.tasks())
             .into_par_iter()
-            .map_init(Workspace::new, |workspace, task| {
-                let (mut pieces, mut rays) = (Vec::new(), 0);
-                for pair in task * PAIRS..plan.pairs().min((task + 1) * PAIRS) {
-                    rays += plan.pieces(tree, pair, workspace, |p| pieces.push(p));
-                }
-                (pieces, rays)
-            })
+            .map_init(Workspace::new, |workspace, task| plan.task(tree, task, workspace))
             .collect()
     });
     let rays = parts.iter().map(|p| p.1).sum();
@@ -54,45 +40,6 @@ pub(crate) fn first_shot(
 pub(super) enum Source<'a> {
     Lights { plan: &'a LightPlan, registers_direct: bool, survives_first: bool },
     Surfaces(&'a FirstShot),
-}
-
-/// How the numbers of a replicate's photons are made.
-#[derive(Clone, Copy)]
-pub(super) struct Replicate {
-    pub(super) numbers: Numbers,
-    /// Independent ones, for what is drawn once for many photons, and for what happens between hits.
-    pub(super) random: Numbers,
-    /// Whether photons walk along the distribution of starts, one in each of equal parts.
-    even: bool,
-    shift: u32,
-    bits: u32,
-}
-
-impl Replicate {
-    pub(super) fn new(shared: &Shared<'_>, replicate: u32) -> Self {
-        let random = Numbers::random(shared.job.seed, replicate);
-        let [shift, ..] = random.with_index(u32::MAX).bits4(PICK_GROUP);
-        let numbers = match shared.job.sequence {
-            Sequence::Random => random,
-            Sequence::Sobol | Sequence::Sorted => Numbers::sobol(shared.job.seed, replicate),
-        };
-        let even = shared.job.sequence != Sequence::Random;
-        Self { numbers, random, even, shift, bits: shared.job.photons.trailing_zeros() }
-    }
-
-    /// Where systematic roulette of a bounce begins, for the wave of photons from `first` on: a fraction of a photon in units of 2^-32.
-    pub(super) fn roulette_offset(&self, first: u32, bounce: u32) -> u32 {
-        self.random.with_index(first ^ (u32::MAX - 1)).bits4(bounce)[0]
-    }
-
-    /// The word that chooses where photon `index` starts.
-    #[inline(always)]
-    fn pick(&self, index: u32, numbers: &Numbers) -> u32 {
-        if !self.even {
-            return numbers.bits4(PICK_GROUP)[0];
-        }
-        even_word(index, self.shift, self.bits)
-    }
 }
 
 /// Photon `index` of a replicate where it first meets a surface, and the rays that this took. `None` where it meets none.

@@ -1,10 +1,10 @@
 //! Photons that walk one by one.
 
 use super::Shared;
-use super::starts::{Replicate, first_landing};
+use super::starts::first_landing;
 use super::sums::Part;
 use crate::simd::widest;
-use etendue_core::transport::photon::{PhotonFlight, PhotonTracer, WALK_GROUP, Way};
+use etendue_core::transport::photon::{PhotonFlight, PhotonTracer, Replicate, WALK_GROUP, Way};
 use std::ops::Range;
 
 widest! {

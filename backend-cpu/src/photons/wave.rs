@@ -4,13 +4,15 @@
 //! directions that complement each other, at every bounce (array-RQMC). Roulette is systematic in the same order: the chances are added up, and a
 //! photon survives where the sum passes a whole number. Chances are 32-bit integers, so that sums of parts of the order are exact.
 
-use super::starts::{Replicate, first_landing};
+use super::starts::first_landing;
 use super::sums::Part;
 use super::{Meter, Shared, TASK};
 use crate::simd::widest;
 use etendue_core::geometry::{HilbertGrid, Hit};
 use etendue_core::sampling::numbers::Numbers;
-use etendue_core::transport::photon::{Photon, PhotonFlight, PhotonTracer, WALK_GROUP, Way};
+use etendue_core::transport::photon::{
+    Photon, PhotonFlight, PhotonTracer, Replicate, WALK_GROUP, WAVE, Way, chance_count, survivor_factor,
+};
 use rayon::prelude::*;
 use rdst::RadixSort;
 use std::ops::Range;
@@ -28,12 +30,8 @@ struct Ordered<'a, W> {
     rank: usize,
 }
 
-/// Most photons that walk together: about 140 bytes each, and what is gained by more of them is little.
-const WAVE: u32 = 1 << 20;
 /// Photons that are fetched together.
 const FETCH: usize = 32;
-/// One as a sum of chances.
-const ONE: u64 = 1 << 32;
 
 widest! {
     /// The first landings of a range of photons, in order; and the rays that they took.
@@ -77,9 +75,7 @@ widest! {
                 shared.register(&hit, &a, sums);
             }
             let [u, v, lobe, _] = numbers.with_index((rank + i) as u32).group4(group);
-            let chance = tracer.scatter(&mut photon, &surface, [u, v], lobe);
-            // 2^32 is one too many for the integer: a sure survivor is lost once in 2^32.
-            let chance = (f64::from(chance) * ONE as f64) as u32;
+            let chance = chance_count(tracer.scatter(&mut photon, &surface, [u, v], lobe));
             if chance > 0 {
                 leaving.push((photon, chance));
             }
@@ -106,7 +102,7 @@ widest! {
                 continue;
             }
             let mut photon = *photon;
-            photon.flux *= (ONE as f64 / f64::from(*chance)) as f32;
+            photon.flux *= survivor_factor(*chance);
             let hit = flight.fly(shared.tree, &mut photon, random, &mut rays);
             landed.extend(hit.map(|hit| (photon, hit)));
         }

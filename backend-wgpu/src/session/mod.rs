@@ -4,7 +4,11 @@ mod bidirectional;
 mod direct;
 mod elements;
 mod features;
+mod gather;
+mod maps;
 mod path;
+mod photons;
+mod rows;
 mod scene;
 mod task;
 mod wave;
@@ -14,6 +18,7 @@ pub(crate) use scene::OFFSETS;
 
 pub use direct::DirectTask;
 pub use path::PathTask;
+pub use photons::PhotonTask;
 pub(crate) use scene::SceneBuffers;
 pub use task::Step;
 pub(crate) use wave::{Estimator, PathStart};
@@ -24,20 +29,26 @@ use crate::unsupported;
 use bidirectional::BothEnds;
 use elements::KeptElements;
 use etendue_core::backend::{
-    self, BackendError, BidirectionalJob, Control, JobStats, PathJob, Probe, Session, check_probes,
+    self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob,
+    PhotonJob, Probe, Session, check_probes,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
-use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
-use etendue_core::radiosity::patches::PatchMap;
-use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
-use etendue_core::radiosity::transfer::{self, PatchGrid, Transfer};
+use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
+use etendue_core::radiosity::form_factors::{FormFactors, Row};
+use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
+use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace};
+use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
+use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
+use etendue_core::transport::first_shot::{self, Forecast, Subdivision};
 use etendue_core::transport::volume::{LightMedia, SingleScatter, Surroundings, has_airlight, probe_starts};
+use etendue_cpu::Radiosity;
 use etendue_tree::WideTree;
-use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use gather::Target;
+use maps::KeptShot;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use task::Task as _;
 
@@ -51,7 +62,12 @@ pub struct WgpuSession {
     preparation: Vec<(&'static str, f64)>,
     sent: Mutex<Option<(Arc<Gpu>, Arc<SceneBuffers>)>>,
     elements: KeptElements,
+    /// What the lights send into, once it is asked for.
+    media: OnceLock<LightMedia>,
+    shot: KeptShot,
     operators: Prepared,
+    /// What of a bake the host does.
+    host: Radiosity,
 }
 
 impl WgpuSession {
@@ -67,8 +83,11 @@ impl WgpuSession {
             surroundings,
             preparation: Vec::new(),
             elements: KeptElements::default(),
+            media: OnceLock::new(),
+            shot: KeptShot::default(),
             sent: Mutex::new(None),
             operators: Prepared::default(),
+            host: Radiosity::default(),
         };
         let start = Instant::now();
         session.source.clone().run(|gpu| session.buffers(gpu))?;
@@ -345,14 +364,121 @@ impl Session for WgpuSession {
         Ok(stats)
     }
 
+    fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {
+        self.check_photons()?;
+        // A few thousand photons, once: the host's tree is at hand.
+        Ok(first_shot::forecast(&self.scene, (&self.tree, self.media()), subdivision, photons)?)
+    }
+
+    fn illumination(
+        &self,
+        job: &PhotonJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        self.illuminate(job, control, film)
+    }
+
+    fn photon_image(
+        &self,
+        job: &GatherJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, &job.path)?;
+        self.gather(job, (&expected, self.image_target(expected.width)), control, film)
+    }
+
+    fn photon_probes(
+        &self,
+        job: &GatherJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        let places = self.places(probes, job.gather)?;
+        self.gather(job, (&expected, Target::Probes(&places)), control, film)
+    }
+
+    fn map_image(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.read(job, map, (&expected, self.image_target(expected.width)), control, film)
+    }
+
+    fn map_probes(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, job, probes.len());
+        let places = self.places(probes, map.gather)?;
+        self.read(job, map, (&expected, Target::Probes(&places)), control, film)
+    }
+
+    fn patches(&self, settings: &PatchSettings) -> Result<PatchMap, BackendError> {
+        let elements = self.elements(&settings.elements(&self.scene));
+        self.host.patches((&self.scene, &self.tree), elements, settings)
+    }
+
+    fn form_factors(
+        &self,
+        map: &PatchMap,
+        job: &FormFactorJob,
+        control: &dyn Control,
+    ) -> Result<Vec<Row>, BackendError> {
+        self.source.run(|gpu| {
+            let buffers = self.buffers(gpu)?;
+            rows::form_factors(gpu, &self.scene, &buffers, map, job, control)
+        })
+    }
+
+    fn near_form_factors(
+        &self,
+        map: &PatchMap,
+        pairs: &[[u32; 2]],
+        settings: &NearSettings,
+        control: &dyn Control,
+    ) -> Result<Vec<NearPair>, BackendError> {
+        self.host.near_form_factors((&self.scene, &self.tree), map, pairs, settings, control)
+    }
+
     fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {
-        // Once for an operator, by a few short rays an element: the host's tree is at hand.
-        let (grid, places) = (PatchGrid::new(map), transfer::places(&self.scene, map));
-        let weights = |element: usize| match Transfer::place(map, &places, element) {
-            Some(place) => grid.weights(map, place, |ray| self.tree.occluded(ray)),
-            None => Vec::new(),
-        };
-        Ok(Transfer::new((0..map.elements.count()).into_par_iter().map(weights).collect()))
+        Ok(self.host.transfer((&self.scene, &self.tree), map))
+    }
+
+    fn rate_curves(&self, symmetric: &Symmetric<'_>) -> RateCurves {
+        self.host.rate_curves(symmetric)
+    }
+
+    fn tiles(
+        &self,
+        symmetric: &Symmetric<'_>,
+        want: &(dyn Fn(usize, usize) -> Kind + Sync),
+    ) -> Result<Tiles, TileError> {
+        self.host.tiles(symmetric, want)
+    }
+
+    fn with_coarse(&self, relighter: Relighter, rates: Rates) -> Result<Relighter, RelightError> {
+        relighter.with_coarse(self.host.linear(), rates)
+    }
+
+    fn encode_blocks(
+        &self,
+        form_factors: &FormFactors,
+        albedo: &[[f32; 3]],
+        settings: &blocks::Settings<'_>,
+    ) -> Result<BlockOperator, BlockError> {
+        BlockOperator::encode(self.host.linear(), form_factors, albedo, settings)
     }
 
     fn relight(

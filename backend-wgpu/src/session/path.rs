@@ -3,7 +3,7 @@
 use super::bidirectional::{self, Plan, Room};
 use super::scene::SceneBuffers;
 use super::task::{Pace, Step, Task, WORKGROUP, is_played};
-use super::wave::{self, Estimator, Form, PathStart, Wave};
+use super::wave::{self, Behind, Estimator, Form, PathStart, Wave};
 use crate::gpu::{Buffer, Gpu, Pending};
 use etendue_core::backend::{BackendError, JobStats, PathJob};
 use etendue_core::film::Film;
@@ -51,6 +51,9 @@ pub struct PathTask {
     job: PathJob,
     start: PathStart,
     form: Form,
+    /// Where probes begin behind the states, and whether each block has one slot more.
+    probes: u32,
+    once: bool,
     wave: Wave,
     /// What the estimator asks of a job beside what all do.
     more: [u32; MORE_WORDS],
@@ -85,25 +88,49 @@ impl PathTask {
         start: PathStart,
         film: Film,
     ) -> Result<Self, BackendError> {
-        let elements = film.len() as u64;
-        let paths = elements * u64::from(job.blocks.end - job.blocks.start) * u64::from(job.block_length);
-        let mut more = [0; MORE_WORDS];
+        let mut asked = [0; MORE_WORDS];
         let mut plan = None;
         let form = match estimator {
             Estimator::Path => Form::paths(scene),
             Estimator::Airlight(single) => {
-                more[..2].copy_from_slice(&wave::airlight_words(*single));
+                asked[..2].copy_from_slice(&wave::airlight_words(*single));
                 Form::airlight(scene)
             }
             Estimator::BothEnds(ends) => plan.insert(Plan::new(scene, ends, job.max_depth)).form.clone(),
         };
-        let probes = form.probe_words(&start);
+        let behind = Behind { words: form.probe_words(&start), ..Behind::default() };
+        Self::make(gpu, (scene, buffers), job, (form, start, behind), (plan, asked), film)
+    }
+
+    /// Paths of any form.
+    pub(super) fn with(
+        gpu: &Arc<Gpu>,
+        scene: &CompiledScene,
+        buffers: &SceneBuffers,
+        job: &PathJob,
+        form: (Form, PathStart, Behind),
+        film: Film,
+    ) -> Result<Self, BackendError> {
+        Self::make(gpu, (scene, buffers), job, form, (None, [0; MORE_WORDS]), film)
+    }
+
+    fn make(
+        gpu: &Arc<Gpu>,
+        (scene, buffers): (&CompiledScene, &SceneBuffers),
+        job: &PathJob,
+        (form, start, behind): (Form, PathStart, Behind),
+        (plan, asked): (Option<Plan>, [u32; MORE_WORDS]),
+        film: Film,
+    ) -> Result<Self, BackendError> {
+        let elements = film.len() as u64;
+        let (more, once) = (behind.words.len() as u64, behind.once);
+        let paths = elements * u64::from(job.blocks.end - job.blocks.start) * u64::from(job.block_length);
         let (own, beside) = plan.as_ref().map_or((form.rows, 0), Plan::words);
         let wanted = if plan.is_some() { SLOTS_OF_BOTH_ENDS } else { SLOTS };
-        let slots = slots(gpu, wanted, own, paths, beside + probes.len() as u64)?;
+        let slots = slots(gpu, wanted, own, paths + u64::from(once) * elements, beside + more)?;
         let wave = Wave::new(gpu, &form, buffers.stack)?;
         let first = form.rows * slots;
-        let (behind_probes, behind_lists) = (first + probes.len() as u64, QUEUE_HEAD + 2 * slots);
+        let (behind_probes, behind_lists) = (first + more, QUEUE_HEAD + 2 * slots);
         let is_image = matches!(start, PathStart::Image { .. });
         let room = plan.map(|plan| {
             plan.room(scene, (job, film.settings()), (slots, is_image), (behind_probes, behind_lists))
@@ -120,13 +147,20 @@ impl PathTask {
             let (lights, free): (&[u32], &[u32]) =
                 room.as_ref().map_or((&[], &[]), |room| (&room.lights, &room.free));
             for (buffer, at, words) in [
-                (&states, first, &probes[..]),
+                (&states, first, &behind.words[..]),
                 (&states, behind_probes, lights),
                 (&queue, behind_lists, free),
             ] {
                 if !words.is_empty() {
                     gpu.queue.write_buffer(&buffer.raw, 4 * at, bytemuck::cast_slice(words));
                 }
+            }
+            if let Some((place, elements)) = &behind.elements {
+                let mut encoder = gpu.encoder();
+                let (from, size) = (&elements.words.raw, 4 * elements.word_count);
+                let at = 4 * (first + *place as u64);
+                encoder.copy_buffer_to_buffer(from, 0, &states.raw, at, size);
+                gpu.submit(encoder);
             }
             let groups = gpu.room("groups", 4)?;
             let uniform = gpu.uniform("job", &[0; JOB_WORDS + MORE_WORDS]);
@@ -138,8 +172,10 @@ impl PathTask {
                 job: job.clone(),
                 start,
                 form,
+                probes: behind.probes as u32,
+                once,
                 wave,
-                more,
+                more: asked,
                 room,
                 slots,
                 uniform,
@@ -216,16 +252,21 @@ impl PathTask {
         self.next.0
     }
 
+    /// Slots of a unit.
+    fn length(&self) -> u64 {
+        u64::from(self.job.block_length) + u64::from(self.once)
+    }
+
     /// As much as the slots hold: whole units, or a part of one.
     fn next_part(&self) -> Option<Part> {
         let (unit, sample) = self.next;
         if unit >= self.total() {
             return None;
         }
-        let length = u64::from(self.job.block_length);
+        let length = self.length();
         let part = if sample == 0 && length <= self.slots {
             let units = (self.slots / length).min(self.total() - unit);
-            Part { first_unit: unit, units, first_sample: 0, samples: self.job.block_length }
+            Part { first_unit: unit, units, first_sample: 0, samples: length as u32 }
         } else {
             let samples = (length - u64::from(sample)).min(self.slots) as u32;
             Part { first_unit: unit, units: 1, first_sample: sample, samples }
@@ -239,7 +280,7 @@ impl PathTask {
             PathStart::Image { width, inside } => (*width, inside.packed()),
             PathStart::Probes(_) => (0, [0; 3]),
         };
-        let probes = if width == 0 { (self.form.rows * self.slots) as u32 } else { 0 };
+        let probes = if width == 0 { (self.form.rows * self.slots) as u32 + self.probes } else { 0 };
         let own: [u32; JOB_WORDS] = [
             self.job.seed as u32,
             (self.job.seed >> 32) as u32,
@@ -340,21 +381,28 @@ impl PathTask {
         let (rays, mut landed) = more.split_at(slots.min(more.len()));
         let mut slot = 0;
         for _ in 0..part.units {
-            for _ in 0..part.samples {
-                for (channel, sum) in self.sum.iter_mut().enumerate() {
-                    *sum += f64::from(f32::from_bits(measured[channel * slots + slot]));
+            let mut once = [0.0; 3];
+            for sample in 0..part.samples {
+                let value = [0, 1, 2].map(|c| f64::from(f32::from_bits(measured[c * slots + slot])));
+                if part.first_sample + sample < self.job.block_length {
+                    for (sum, x) in self.sum.iter_mut().zip(value) {
+                        *sum += x;
+                    }
+                } else {
+                    once = value;
                 }
                 self.stats.rays += u64::from(rays[slot]);
                 slot += 1;
             }
             let taken = part.first_sample + part.samples;
-            if taken < self.job.block_length {
+            if u64::from(taken) < self.length() {
                 self.next.1 = taken;
                 continue;
             }
             self.next = (self.next.0 + 1, 0);
             let sum = std::mem::take(&mut self.sum);
-            self.means.push(sum.map(|s| s / f64::from(self.job.block_length.max(1))));
+            let length = f64::from(self.job.block_length.max(1));
+            self.means.push([0, 1, 2].map(|c| sum[c] / length + once[c]));
             if self.means.len() as u64 == self.elements {
                 let block = self.block(self.next.0 - 1);
                 if let Some(room) = &self.room {

@@ -4,6 +4,7 @@ use super::scene::SceneBuffers;
 use crate::gpu::{Binding, Buffer, Gpu};
 use etendue_core::backend::{BackendError, Control, JobStats};
 use etendue_core::film::Film;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// Invocations of a workgroup, as the shaders have it.
@@ -36,7 +37,12 @@ pub(super) trait Task: Sized {
     fn finish(self) -> (Film, JobStats);
 
     /// Takes all steps, unless the control cancels.
-    fn drive(mut self, control: &dyn Control) -> Result<(Film, JobStats), BackendError> {
+    fn drive(self, control: &dyn Control) -> Result<(Film, JobStats), BackendError> {
+        Ok(self.drive_all(control)?.finish())
+    }
+
+    /// The same, and the task as it is then.
+    fn drive_all(mut self, control: &dyn Control) -> Result<Self, BackendError> {
         loop {
             match self.step(true)? {
                 Step::Working => {}
@@ -45,9 +51,24 @@ pub(super) trait Task: Sized {
                         return Err(BackendError::Cancelled);
                     }
                 }
-                Step::Done => return Ok(self.finish()),
+                Step::Done => return Ok(self),
             }
         }
+    }
+}
+
+/// Passes on the progress of one part of a job as that of all of it.
+pub(super) struct Portion<'a> {
+    pub(super) control: &'a dyn Control,
+    /// Of the job, before this part; what one unit of the part counts for; and all of it.
+    pub(super) before: u64,
+    pub(super) factor: u64,
+    pub(super) all: u64,
+}
+
+impl Control for Portion<'_> {
+    fn advance(&self, done: u64, _: u64) -> ControlFlow<()> {
+        self.control.advance(self.before + done * self.factor, self.all)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The shaders of a wave, and what the words of its states and probes are.
 
 use super::bidirectional::BothEnds;
+use super::elements::ElementBuffers;
 use super::features;
 use super::scene::OFFSETS;
 use super::task::bindings;
@@ -45,7 +46,7 @@ pub(super) fn airlight_words(single: SingleScatter) -> [u32; 2] {
     [rule, single.nodes]
 }
 
-/// One of the tracers: surfaces alone need smaller states than media.
+/// One of the tracers: surfaces alone need smaller states than media, and what reads a map others.
 #[derive(Clone, Debug)]
 pub(crate) struct Form {
     /// The file of its entry points, and those of a step after `trace`.
@@ -58,12 +59,30 @@ pub(crate) struct Form {
     features: Vec<&'static str>,
 }
 
+/// What the paths of a job read beside the scene, behind their states: words, and where among them those of probes begin.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Behind {
+    pub(super) words: Vec<u32>,
+    pub(super) probes: usize,
+    /// Words of elements, which are on the device, and where among these words they belong.
+    pub(super) elements: Option<(usize, Arc<ElementBuffers>)>,
+    /// The last slot of each block is no sample but what all samples have: it is added to their mean.
+    pub(super) once: bool,
+}
+
 impl Form {
     /// Paths, with what a scene needs.
     pub(crate) fn paths(scene: &CompiledScene) -> Self {
         let media = scene.needs.volume();
         let (module, rows) = if media { ("wavefront::volume", 45) } else { ("wavefront::path", 33) };
         Self { module, parts: &["advance"], rows, media, features: features::of(scene) }
+    }
+
+    /// Paths that read a map.
+    pub(crate) fn gather(scene: &CompiledScene) -> Self {
+        let mut features = features::of(scene);
+        features.extend(["GATHER", "JOB_COUNTS"]);
+        Self { module: "wavefront::gather", parts: &["advance"], rows: 45, media: false, features }
     }
 
     /// Paths through media with summed airlight.

@@ -94,6 +94,11 @@ impl HilbertGrid {
         Self { low: if usable { bounds.lo } else { Vec3::ZERO }, scale: if usable { scale } else { 0.0 } }
     }
 
+    /// Its lower corner, and cells a metre: for a device.
+    pub fn parts(&self) -> (Vec3, f32) {
+        (self.low, self.scale)
+    }
+
     /// Place on the curve of the cell at `p`, below 2^30; what lies outside counts for the nearest cell, NaN for the lowest.
     #[inline]
     pub fn index(&self, p: Vec3) -> u32 {

@@ -1,11 +1,11 @@
-//! `cargo run --release -p etendue-benches --bin device [-- ADAPTER]`: rays, paths, samples from both ends, relighting and bytes per second of an adapter, the CPU beside it.
+//! `cargo run --release -p etendue-benches --bin device [-- ADAPTER]`: rays, paths, samples from both ends, form factors, relighting and bytes per second of an adapter, the CPU beside it.
 //!
 //! One line for each measurement; both take turns in one run, and medians are told. `ADAPTER` is a part of the adapter's name
 //! (`etendue adapters`); without it the best one is taken.
 #![allow(clippy::disallowed_methods, reason = "a program that prints")]
 
 use etendue::core::backend::{
-    Backend, BidirectionalJob, JobStats, NoControl, PathJob, Session, image_film_settings,
+    Backend, BidirectionalJob, FormFactorJob, JobStats, NoControl, PathJob, Session, image_film_settings,
 };
 use etendue::core::film::Film;
 use etendue::core::radiosity::patches::PatchSettings;
@@ -74,6 +74,7 @@ fn main() -> Outcome<()> {
         for by in [By::Path, By::Bdpt] {
             image(file, by, pair)?;
         }
+        form_factors(file, pair)?;
     }
     relight(pair)
 }
@@ -102,6 +103,33 @@ fn image(file: &str, by: By, pair: [&dyn Backend; 2]) -> Outcome<()> {
     let [rays, samples] = found;
     print(&format!("{by:?}, {file}"), "M rays/s", rays.map(median), films);
     print(&format!("{by:?}, {file}"), "M samples/s", samples.map(median), "");
+    Ok(())
+}
+
+/// Rays between patches, counted.
+fn form_factors(file: &str, pair: [&dyn Backend; 2]) -> Outcome<()> {
+    let scene = scene(file)?;
+    let sessions = [pair[0].open(scene.clone())?, pair[1].open(scene)?];
+    let map = sessions[1].patches(&PatchSettings { count: PATCHES / 2, seed: 0 })?;
+    let mut found = [Vec::new(), Vec::new()];
+    let mut equal = true;
+    for turn in 0..=TURNS {
+        let job = FormFactorJob { seed: turn as u64, rays: 256, patches: 0..u32::MAX };
+        let mut both = Vec::new();
+        for (session, found) in sessions.iter().zip(&mut found) {
+            let start = Instant::now();
+            let rows = session.form_factors(&map, &job, &NoControl)?;
+            let rays: f64 = rows.iter().map(|row| f64::from(row.rays)).sum();
+            if turn > 0 {
+                found.push(1e-6 * rays / start.elapsed().as_secs_f64());
+            }
+            both.push(rows);
+        }
+        equal &= both[0] == both[1];
+    }
+    let rows = if equal { "; rows equal" } else { "; rows differ" };
+    let what = format!("form factors, {file}, {} patches", map.patches.len());
+    print(&what, "M rays/s", found.map(median), rows);
     Ok(())
 }
 

@@ -81,6 +81,25 @@ struct LightEntry {
     shared: bool,
 }
 
+/// The density as a device samples it, beside its pieces.
+#[derive(Clone, Debug)]
+pub struct FirstShotParts<'a> {
+    /// Counts of pieces and of the entries after them.
+    pub cumulative: &'a [u32],
+    /// The number of what emits, and whether starts there are combined with those on its pieces.
+    pub entries: Vec<(u32, bool)>,
+    /// Per light with pieces and triangle in order: where its pieces begin; one more at the end.
+    pub ranges: &'a [u32],
+    /// The place of each triangle in the order.
+    pub ranks: &'a [u32],
+    /// Of each light its place among those with pieces, [`NO_INDEX`] without any.
+    pub slots: &'a [u32],
+    /// Of each light the chance per watt \[1/W\] with which a start is from it and combined with its pieces.
+    pub per_watt: &'a [f32],
+    /// Whether starts are weighted exactly.
+    pub exact: bool,
+}
+
 /// The density from which first-shot photons start.
 #[derive(Clone, Debug)]
 pub struct FirstShot {
@@ -189,6 +208,19 @@ impl FirstShot {
     /// The pieces, light after light.
     pub fn pieces(&self) -> &[LitPiece] {
         &self.pieces
+    }
+
+    /// What a device needs of it.
+    pub fn parts(&self) -> FirstShotParts<'_> {
+        FirstShotParts {
+            cumulative: self.density.cumulative(),
+            entries: self.entries.iter().map(|e| (e.light, e.shared)).collect(),
+            ranges: &self.ranges,
+            ranks: &self.ranks,
+            slots: &self.slots,
+            per_watt: &self.per_watt,
+            exact: self.exact,
+        }
     }
 
     /// Bytes that it takes.

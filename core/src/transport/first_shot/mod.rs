@@ -21,7 +21,7 @@ pub mod place;
 mod plan;
 pub mod weight;
 
-pub use density::{FirstShot, Look, Start};
+pub use density::{FirstShot, FirstShotParts, Look, Start};
 pub use forecast::{Forecast, forecast};
 pub use pieces::LitPiece;
 pub use plan::StartPlan;

@@ -1,8 +1,9 @@
 //! Which lights have pieces, and in which order pieces come.
 
-use super::{FirstShotError, Subdivision};
+use super::{FirstShotError, LitPiece, Subdivision};
 use crate::direct::emission::{Bitmap, PieceAlbedo, Published, Pyramid, VertexAlbedo};
-use crate::geometry::HilbertGrid;
+use crate::direct::subdivide::Workspace;
+use crate::geometry::{HilbertGrid, Intersector};
 use crate::light::emit;
 use crate::math::Vec3;
 use crate::scene::{CompiledScene, NO_INDEX, material_flags};
@@ -12,6 +13,8 @@ use alloc::vec::Vec;
 /// Most (triangle, light) pairs that are looked at; lights beyond are entries of their own. Where so many lights share the flux hardly any pair is worth
 /// more than a glance, that is one piece: 60 bytes, and 4 of the index of pairs: 280 MB in all.
 const PAIRS_MAX: u64 = 1 << 22;
+/// Pairs of one task.
+const TASK_PAIRS: usize = 512;
 /// Texels that the source's rule scans, and those of a coarser level that ours does. What a photon carries does not depend on it: exact integrals, at 20 us
 /// a piece, took ten times as long as all the rest of the precomputation of a textured scene.
 const SCAN_TEXELS: f32 = 64.0;
@@ -110,6 +113,25 @@ impl<'a> StartPlan<'a> {
     /// Pairs of a light and a triangle that are to be looked at; see [`Self::pieces`].
     pub fn pairs(&self) -> usize {
         self.lights.len() * self.order.len()
+    }
+
+    /// Tasks of which each cuts some pairs.
+    pub fn tasks(&self) -> usize {
+        self.pairs().div_ceil(TASK_PAIRS)
+    }
+
+    /// The lit pieces of a task, and the shadow rays that it took. Nothing depends on other tasks; the pieces of all, task after task, are those of [`super::FirstShot::new`].
+    pub fn task<I: Intersector + ?Sized>(
+        &self,
+        intersector: &I,
+        task: usize,
+        workspace: &mut Workspace<f32>,
+    ) -> (Vec<LitPiece>, u64) {
+        let (mut pieces, mut rays) = (Vec::new(), 0);
+        for pair in task * TASK_PAIRS..self.pairs().min((task + 1) * TASK_PAIRS) {
+            rays += self.pieces(intersector, pair, workspace, |p| pieces.push(p));
+        }
+        (pieces, rays)
     }
 
     /// The light and the triangle of a pair.

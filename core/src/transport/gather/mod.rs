@@ -69,6 +69,10 @@ impl Choice {
         Self { lights, cdf: IntegerCdf::try_new(&weights).ok() }
     }
 
+    fn parts(&self) -> (&[u32], &[u32]) {
+        (&self.lights, self.cdf.as_ref().map_or(&[], IntegerCdf::cumulative))
+    }
+
     /// The light that a random word chooses, and by how much its own chance, by which its samples are divided, exceeds that of this choice.
     #[inline(always)]
     fn pick<'s>(&self, scene: &'s CompiledScene, word: u32) -> Option<(&'s LightRecord, f32)> {
@@ -95,6 +99,26 @@ impl GatherLights {
         let surface_share = if all > 0.0 { 1.0 / all } else { 0.0 };
         Self { point_like: Choice::new(scene, emit::is_point_like), surfaces, surface_share }
     }
+
+    /// What a device needs of them.
+    pub fn parts(&self) -> GatherLightsParts<'_> {
+        GatherLightsParts {
+            point_like: self.point_like.parts(),
+            surfaces: self.surfaces.parts(),
+            surface_share: self.surface_share,
+        }
+    }
+}
+
+/// Lights as a device samples them: the numbers of those without size, and of the others, with the cumulative counts by which one is picked.
+#[derive(Clone, Copy, Debug)]
+pub struct GatherLightsParts<'a> {
+    /// Without size.
+    pub point_like: (&'a [u32], &'a [u32]),
+    /// Surfaces and the picture of an environment.
+    pub surfaces: (&'a [u32], &'a [u32]),
+    /// Chance of one of these to be chosen, over its chance among all lights.
+    pub surface_share: f32,
 }
 
 /// A map to read: numbers per element.

@@ -13,8 +13,10 @@
 //!
 //! Starts: [`LightPlan`] picks a light by flux, the classical way ([`crate::light::emit`]); [`super::first_shot`] starts on lit surfaces.
 
+mod replicate;
 mod through;
 
+pub use replicate::{Replicate, WAVE, chance_count, survivor_factor};
 pub use through::{Through, Way};
 
 use super::first_shot::Look;
@@ -132,6 +134,11 @@ impl LightPlan {
     /// Flux of everything that emits \[W\] per channel; of what comes from infinity, what reaches the scene's bounding sphere.
     pub fn total(&self) -> [f64; 3] {
         [0, 1, 2].map(|c| self.fluxes.iter().map(|f| f64::from(f[c])).sum())
+    }
+
+    /// The cumulative counts by which a word picks what emits, and the bounding sphere of what comes from infinity: for a device.
+    pub fn parts(&self) -> (&[u32], (Vec3, f32)) {
+        (self.cdf.cumulative(), self.sphere)
     }
 
     /// Whether there is more than one light to choose from.

@@ -32,13 +32,15 @@ fn back_is_lit(surface: Surface) -> bool {
 struct MetEmission { met: vec3<f32>, weight: f32 }
 
 // Radiance that a lit surface sends back along a ray, and its weight against light sampling at `vertex`, where the direction was drawn
-// with density `pdf` (0: nothing competed with it); `t` is counted from there.
-fn back_emission(surface: Surface, direction: vec3<f32>, t: f32, vertex: vec3<f32>, pdf: f32) -> MetEmission {
+// with density `pdf` (0: nothing competed with it); `t` is counted from there, and `share` is by how much that sampling picks its light more often.
+fn back_emission(
+    surface: Surface, direction: vec3<f32>, t: f32, vertex: vec3<f32>, pdf: f32, share: f32,
+) -> MetEmission {
     let light = scene_at.lights + LIGHT_WORDS * surface.light;
     var weight = 1.0f;
     if pdf > 0.0f {
         let other = light_pdf_solid_angle(light, vertex, direction, t, surface.front);
-        weight = mis_power_heuristic(pdf, other * 1.0f);
+        weight = mis_power_heuristic(pdf, other * share);
     }
     return MetEmission(light_float3(light + LIGHT_RADIANCE), weight);
 }

@@ -94,7 +94,7 @@ fn path_arrive(state: ptr<function, PathState>, hit: Hit, max_depth: u32) {
     let surface = surface_at(ray, hit);
     if !surface.found { return; }
     if back_is_lit(surface) {
-        let emission = back_emission(surface, ray.direction, hit.t, (*state).vertex, (*state).pdf);
+        let emission = back_emission(surface, ray.direction, hit.t, (*state).vertex, (*state).pdf, 1.0f);
         (*state).radiance += (*state).throughput * emission.met * emission.weight;
     }
     if (*state).depth < max_depth { path_scatter(state, surface); }

@@ -292,7 +292,7 @@ fn volume_reach(state: ptr<function, VolumeState>, met: Hit, max_depth: u32) -> 
     }
     if back_is_lit(surface) {
         let distance = (*state).length + hit.t;
-        let emission = back_emission(surface, ray.direction, distance, (*state).vertex, (*state).pdf);
+        let emission = back_emission(surface, ray.direction, distance, (*state).vertex, (*state).pdf, 1.0f);
         (*state).radiance += (*state).throughput * emission.met * emission.weight;
     }
     //: if LOBES

@@ -1,7 +1,7 @@
 // Direct irradiance on elements: an invocation takes one place and one of the lights without size, and adds what arrives to sums in fixed point, which
 // have core's bits in whatever order they are made.
 //: use direct::irradiance
-//: use illumination
+//: use illumination::sums
 //: use sampling::sobol
 //: use tree::walk
 
@@ -40,14 +40,6 @@ const SUMS_HEAD: u32 = 4u;
 
 fn element_word(i: u32) -> u32 { return element_words[i]; }
 
-fn sums_add(at: u32, x: vec2<u32>) {
-    if (x.x | x.y) != 0u {
-        let old = atomicAdd(&sums[at], x.x);
-        let high = x.y + u32(old + x.x < old);
-        if high != 0u { atomicAdd(&sums[at + 1u], high); }
-    }
-}
-
 // The primitive of a division: the last that begins at it or before.
 fn direct_primitive(cell: u32) -> u32 {
     if (job.flags & 4u) == 0u { return cell; }
@@ -63,16 +55,7 @@ fn direct_primitive(cell: u32) -> u32 {
 fn direct_arrive(primitive: u32, at: DirectPoint, from_front: bool, flux: vec3<f32>) {
     let map = ElementMap(job.nodes, job.per_side, (job.flags & 1u) != 0u, (job.flags & 2u) != 0u);
     let deposit = elements_deposit(map, primitive, at.b1, at.b2, from_front);
-    for (var k = 0u; k < deposit.count; k++) {
-        let element = deposit.elements[k];
-        if element < job.elements {
-            let share = flux * deposit.factors[k];
-            let sum = SUMS_HEAD + 6u * element;
-            sums_add(sum, illumination_units(share.x, job.power));
-            sums_add(sum + 2u, illumination_units(share.y, job.power));
-            sums_add(sum + 4u, illumination_units(share.z, job.power));
-        }
-    }
+    sums_deposit(deposit, SUMS_HEAD, job.elements, flux, job.power);
 }
 
 // What a light brings to a place; whether that took a ray.

@@ -1,0 +1,206 @@
+//! Jobs of photons and of their maps.
+
+use super::WgpuSession;
+use super::gather::{Map, Target, blocks};
+use super::photons::PhotonTask;
+use super::same_film;
+use super::task::Task as _;
+use crate::gpu::Gpu;
+use crate::unsupported;
+use etendue_core::backend::{
+    self, BackendError, Control, GatherJob, GivenMap, JobStats, PathJob, PhotonJob, PhotonStart, Probe,
+    Session as _, check_probes,
+};
+use etendue_core::direct::subdivide::Workspace;
+use etendue_core::film::{Film, FilmSettings};
+use etendue_core::illumination::{Elements, Sides};
+use etendue_core::transport::first_shot::{
+    FirstShot, FirstShotError, LitPiece, StartPlan, Subdivision, Weights,
+};
+use etendue_core::transport::gather::ProbePlace;
+use etendue_core::transport::place_probe;
+use etendue_core::transport::volume::{LightMedia, inside_of_probe};
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The density of photons' starts that was asked for last.
+#[derive(Debug, Default)]
+pub(super) struct KeptShot(Mutex<Option<((Subdivision, Weights), Arc<FirstShot>)>>);
+
+impl WgpuSession {
+    /// An illumination map as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`backend::Session::illumination`].
+    pub fn illumination_task(&self, job: &PhotonJob) -> Result<PhotonTask, BackendError> {
+        job.check()?;
+        let elements = self.elements(&job.elements);
+        let settings = backend::illumination_film_settings(&self.scene, &elements, job)?;
+        self.check_photons()?;
+        let shot = self.shot_of(job)?;
+        self.photons(&self.source.gpu(), (job, shot.as_deref()), &elements, false, &settings)
+    }
+
+    pub(super) fn media(&self) -> &LightMedia {
+        self.media.get_or_init(|| LightMedia::new(&self.scene, &self.tree, self.surroundings.outside))
+    }
+
+    /// The density of a job that starts on surfaces. Its pieces are cut by the host, whose tree is at hand.
+    fn shot_of(&self, job: &PhotonJob) -> Result<Option<Arc<FirstShot>>, FirstShotError> {
+        let PhotonStart::Surfaces { subdivision, weights } = job.start else { return Ok(None) };
+        let mut kept = self.shot.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, shot)) = &*kept
+            && *of == (subdivision, weights)
+        {
+            return Ok(Some(shot.clone()));
+        }
+        let plan = StartPlan::new(&self.scene, self.media(), subdivision)?;
+        let parts: Vec<Vec<LitPiece>> = (0..plan.tasks())
+            .into_par_iter()
+            .map_init(Workspace::new, |workspace, task| plan.task(&self.tree, task, workspace).0)
+            .collect();
+        let shot = Arc::new(FirstShot::new(&plan, parts.concat(), weights)?);
+        *kept = Some(((subdivision, weights), shot.clone()));
+        Ok(Some(shot))
+    }
+
+    fn photons(
+        &self,
+        gpu: &Arc<Gpu>,
+        (job, shot): (&PhotonJob, Option<&FirstShot>),
+        elements: &Arc<Elements>,
+        caustics: bool,
+        settings: &FilmSettings,
+    ) -> Result<PhotonTask, BackendError> {
+        let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
+        let film = Film::new(*settings);
+        PhotonTask::new(gpu, &self.scene, &buffers, elements, (job, shot), caustics, film)
+    }
+
+    pub(super) fn illuminate(
+        &self,
+        job: &PhotonJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        job.check()?;
+        let elements = self.elements(&job.elements);
+        let expected = backend::illumination_film_settings(&self.scene, &elements, job)?;
+        self.check_photons()?;
+        same_film(film, &expected)?;
+        let shot = self.shot_of(job)?;
+        let (part, stats) = self.source.run(|gpu| {
+            self.photons(gpu, (job, shot.as_deref()), &elements, false, &expected)?.drive(control)
+        })?;
+        film.merge(&part)?;
+        Ok(stats)
+    }
+
+    /// What photons carry.
+    pub(super) fn check_photons(&self) -> Result<(), BackendError> {
+        let needs = &self.scene.needs;
+        if let Some(missing) = needs.beyond_photons() {
+            return Err(BackendError::SceneNeeds { method: "photon", missing });
+        }
+        match needs.beyond_surfaces() {
+            Some(missing) => Err(unsupported(format!("photons through {missing} (the cpu backend does)"))),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn image_target(&self, width: u32) -> Target<'static> {
+        Target::Image { width, inside: self.surroundings.camera }
+    }
+
+    /// Probes on their surfaces. Without a final gather each needs one.
+    pub(super) fn places(&self, probes: &[Probe], gather: bool) -> Result<Vec<ProbePlace>, BackendError> {
+        let outside = self.surroundings.outside;
+        let places: Vec<_> = check_probes(probes)?
+            .into_iter()
+            .map(|(p, n)| {
+                let place = place_probe(&self.scene, &self.tree, p, n);
+                let inside = inside_of_probe(&self.scene, &self.tree, outside, (&place.point, n));
+                ProbePlace { inside, ..place }
+            })
+            .collect();
+        match places.iter().position(|p| p.hit.is_none()) {
+            Some(index) if !gather => {
+                let reason =
+                    "it lies on no surface, and a map is read on surfaces alone: a final gather needs none";
+                Err(BackendError::BadProbe { index, reason })
+            }
+            _ => Ok(places),
+        }
+    }
+
+    /// An image or probes, by maps of the job's own photons.
+    pub(super) fn gather(
+        &self,
+        job: &GatherJob,
+        (expected, target): (&FilmSettings, Target<'_>),
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        job.check(&self.scene)?;
+        self.check_photons()?;
+        same_film(film, expected)?;
+        let maps = job.maps(target.edges());
+        let elements = self.elements(&maps.elements);
+        let settings = backend::illumination_film_settings(&self.scene, &elements, &maps)?;
+        let shot = self.shot_of(&maps)?;
+        let needs = &self.scene.needs;
+        // Only where rays gather they are needed apart: what is read itself has them in the map.
+        let sent_on = needs.mirrors || needs.refraction || needs.panes;
+        let caustics = (job.gather || needs.round_shapes) && sent_on && needs.point_like_lights;
+        let (part, stats) = self.source.run(|gpu| {
+            let (buffers, on_device) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, &elements)?);
+            blocks(
+                &job.path,
+                u64::from(job.photons),
+                control,
+                Film::new(*expected),
+                |block, control| {
+                    let one = PhotonJob { replicates: block..block + 1, ..maps.clone() };
+                    let task = self.photons(gpu, (&one, shot.as_deref()), &elements, caustics, &settings)?;
+                    Ok(task.drive_all(control)?.finish_values())
+                },
+                |values, one, control, film| {
+                    let (all, caustics) = values.split_at(elements.count().min(values.len()));
+                    let map = Map { elements: on_device.clone(), all, caustics, gather: job.gather };
+                    map.read(gpu, (&self.scene, &buffers), one, target, control, film)
+                },
+            )
+        })?;
+        film.merge(&part)?;
+        Ok(stats)
+    }
+
+    /// An image or probes, from a map that is given.
+    pub(super) fn read(
+        &self,
+        job: &PathJob,
+        map: &GivenMap<'_>,
+        (expected, target): (&FilmSettings, Target<'_>),
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        job.check()?;
+        if let Some(missing) = self.scene.needs.beyond_surfaces() {
+            return Err(BackendError::SceneNeeds { method: "radiosity", missing });
+        }
+        same_film(film, expected)?;
+        let elements = self.elements(&map.elements);
+        if map.elements.sides != Sides::Apart || map.values.len() != elements.count() {
+            return Err(BackendError::BadJob {
+                reason: "the map has another number of elements than the scene, or its sides are together",
+            });
+        }
+        let (part, stats) = self.source.run(|gpu| {
+            let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, &elements)?);
+            let map = Map { elements, all: map.values, caustics: &[], gather: map.gather };
+            map.read(gpu, (&self.scene, &buffers), job, target, control, Film::new(*expected))
+        })?;
+        film.merge(&part)?;
+        Ok(stats)
+    }
+}

@@ -1,0 +1,121 @@
+//! What shaders of photons ask of a job: a few numbers in a uniform, and tables behind the states.
+
+use crate::session::elements::ElementBuffers;
+use bytemuck::{Pod, Zeroable};
+use etendue_core::backend::{PhotonJob, PhotonStart};
+use etendue_core::geometry::HilbertGrid;
+use etendue_core::illumination::{Basis, FluxUnit, Sides};
+use etendue_core::scene::CompiledScene;
+use etendue_core::transport::photon::{LightPlan, Replicate, Sequence};
+
+/// The numbers of a job, as `wavefront/photons/job.wgsl` has them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(super) struct Numbers {
+    pub(super) seed: [u32; 2],
+    pub(super) replicate: u32,
+    pub(super) slots: u32,
+    pub(super) count: u32,
+    pub(super) first: u32,
+    pub(super) window: u32,
+    pub(super) flags: u32,
+    pub(super) shift: u32,
+    pub(super) bits: u32,
+    pub(super) max_hits: u32,
+    pub(super) elements_at: u32,
+    pub(super) nodes: u32,
+    pub(super) per_side: u32,
+    pub(super) elements: u32,
+    pub(super) power: i32,
+    pub(super) plan_at: u32,
+    pub(super) plan_count: u32,
+    pub(super) group: u32,
+    pub(super) offset: u32,
+    pub(super) sphere: [f32; 4],
+    pub(super) grid: [f32; 4],
+    pub(super) lists: u32,
+    pub(super) shot_at: u32,
+    pub(super) pieces: u32,
+    pub(super) entries: u32,
+    pub(super) zero: u32,
+    pub(super) pad: [u32; 3],
+}
+
+/// Words of [`Numbers`].
+pub(super) const JOB_WORDS: usize = size_of::<Numbers>() / 4;
+
+/// Where tables lie behind the rows of states, and what they hold beside the elements.
+#[derive(Debug)]
+pub(super) struct Tables {
+    /// Words of the elements, which a buffer of their own has, and where they begin.
+    pub(super) elements_at: u64,
+    element_words: u64,
+    /// All other words, behind them.
+    pub(super) words: Vec<u32>,
+    pub(super) numbers: Numbers,
+}
+
+impl Tables {
+    /// Tables behind `rows` words of `slots` states.
+    pub(super) fn new(
+        scene: &CompiledScene,
+        plan: &LightPlan,
+        buffers: &ElementBuffers,
+        (job, unit, caustics): (&PhotonJob, FluxUnit, bool),
+        (rows, slots): (u64, u64),
+    ) -> Self {
+        let elements = &buffers.elements;
+        let settings = elements.settings();
+        let (counts, (centre, radius)) = plan.parts();
+        let (low, scale) = HilbertGrid::new(&scene.bounds).parts();
+        let words = counts.to_vec();
+        let (direct, first) = match job.start {
+            PhotonStart::Lights { registers_direct, survives_first } => (registers_direct, survives_first),
+            PhotonStart::Surfaces { .. } => (false, false),
+        };
+        let flags = [
+            job.sequence == Sequence::Random,
+            plan.has_choice(),
+            direct,
+            first,
+            settings.basis == Basis::Linear,
+            settings.sides == Sides::Apart,
+            caustics,
+        ];
+        let plan_at = (rows + buffers.word_count) as u32;
+        let numbers = Numbers {
+            seed: [job.seed as u32, (job.seed >> 32) as u32],
+            slots: slots as u32,
+            flags: flags.iter().zip(0..).map(|(f, i)| u32::from(*f) << i).sum(),
+            max_hits: job.max_hits,
+            elements_at: rows as u32,
+            nodes: buffers.nodes,
+            per_side: elements.per_side() as u32,
+            elements: elements.count() as u32,
+            // There is one: numbers of photons are powers of two.
+            power: unit.power().unwrap_or(0),
+            plan_at,
+            plan_count: counts.len() as u32,
+            sphere: [centre.x, centre.y, centre.z, radius],
+            grid: [low.x, low.y, low.z, scale],
+            ..Numbers::default()
+        };
+        Self { elements_at: rows, element_words: buffers.word_count, words, numbers }
+    }
+
+    /// Words of states and tables together.
+    pub(super) fn end(&self) -> u64 {
+        self.words_at() + self.words.len() as u64
+    }
+
+    /// Where all but the elements begins.
+    pub(super) fn words_at(&self) -> u64 {
+        self.elements_at + self.element_words
+    }
+
+    /// The numbers of a replicate.
+    pub(super) fn replicate(&mut self, number: u32, replicate: &Replicate) {
+        let (shift, bits) = replicate.even().unwrap_or((0, 0));
+        self.numbers = Numbers { replicate: number, shift, bits, ..self.numbers };
+    }
+}

@@ -1,0 +1,144 @@
+// Waves of photons: `start` sends them out, `trace` answers what they ask, `arrive` says who has landed, and `scatter` registers these and sends them on.
+// One by one, a photon that survives its scattering asks at once; in order (`SORTED`) all wait for each other, and `order` lets them.
+//: use illumination::sums
+//: use sampling::discrete
+//: use scene::counts
+//: use wavefront::photons::slots
+//: if SURFACES
+//: use wavefront::photons::shot
+//: end
+//: if SORTED
+//: use transport::photon::replicate
+//: end
+
+var<workgroup> hits_of_group: atomic<u32>;
+
+fn wave_pick(index: u32, numbers: Numbers) -> u32 {
+    if photons_has(PHOTONS_RANDOM) { return numbers_bits4(numbers, PHOTON_PICK_GROUP).x; }
+    return discrete_even_word(index, job.shift, job.bits);
+}
+
+fn wave_sphere() -> vec4<f32> { return vec4(job.sphere_x, job.sphere_y, job.sphere_z, job.sphere_radius); }
+
+// A photon from a light that the word `pick` chooses.
+fn wave_from_light(pick: u32, u: vec4<f32>) -> Photon {
+    counts_at = COUNTS_OF_JOB + job.plan_at;
+    let entry = discrete_pick_in(job.plan_count, pick);
+    let emitted = photon_emit_entry(entry.index, wave_sphere(), u);
+    var photon = photon_new(emitted.emission.ray, emitted.emission.flux / entry.pmf);
+    photon.registers_first = photons_has(PHOTONS_REGISTER_DIRECT) || !emitted.point_like;
+    photon.caustic = emitted.point_like;
+    photon.survives_first = photons_has(PHOTONS_SURVIVE_FIRST);
+    return photon;
+}
+
+@compute @workgroup_size(64)
+fn start(@builtin(global_invocation_id) id: vec3<u32>) {
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
+    let slot = job.window + id.x;
+    if slot >= job.count { return; }
+    //: if SORTED
+    atomicStore(&sums[list_at(LIST_LANDED) + slot], slot);
+    //: end
+    let index = job.first + slot;
+    let numbers = wave_numbers(index);
+    let u = numbers_group4(numbers, PHOTON_START_GROUP);
+    //: if SURFACES
+    shot_start(slot, wave_pick(index, numbers), u);
+    //: else
+    var pick = 0u;
+    if photons_has(PHOTONS_CHOICE) { pick = wave_pick(index, numbers); }
+    wave_put_photon(slot, wave_from_light(pick, u));
+    wave_ask(slot, PHOTON_CLOSEST);
+    //: end
+}
+
+// The photon of a slot has landed.
+fn wave_lands(slot: u32) {
+    wave_put(slot, ROW_QUERY, PHOTON_LANDED);
+    //: if not SORTED
+    let place = atomicAdd(&sums[HEAD_LANDED], 1u);
+    atomicStore(&sums[list_at(LIST_LANDED) + place], slot);
+    //: end
+}
+
+@compute @workgroup_size(64)
+fn arrive(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = wave_slot(id.x);
+    if slot == job.slots { return; }
+    //: if SURFACES
+    if wave_get(slot, ROW_QUERY) != PHOTON_CLOSEST {
+        if shot_looked(slot) { wave_lands(slot); }
+        return;
+    }
+    if wave_get(slot, ROW_LIGHT) != NO_INDEX { shot_weigh(slot); }
+    //: end
+    if wave_get(slot, ROW_HIT + 1u) == TREE_NOTHING {
+        wave_put(slot, ROW_QUERY, PHOTON_OVER);
+    } else {
+        wave_lands(slot);
+    }
+}
+
+fn wave_register(hit: Hit, from_front: bool, photon: Photon) {
+    let map = ElementMap(job.nodes, job.per_side, photons_has(PHOTONS_LINEAR), photons_has(PHOTONS_APART));
+    let deposit = elements_deposit(map, hit.primitive, hit.b1, hit.b2, from_front);
+    let at = list_at(0u) + job.lists;
+    sums_deposit(deposit, at, job.elements, photon.flux, job.power);
+    if photons_has(PHOTONS_CAUSTICS) && photon.caustic {
+        sums_deposit(deposit, at + 6u * job.elements, job.elements, photon.flux, job.power);
+    }
+}
+
+// Registers a photon that has landed and sends it on; whether that was an arrival that counts.
+fn wave_scatter(slot: u32, rank: u32) -> bool {
+    var photon = wave_photon(slot);
+    let hit = wave_hit(slot);
+    wave_put(slot, ROW_QUERY, PHOTON_OVER);
+    //: if SORTED
+    // What it hit is past: its chance lies there, of those that end 0.
+    wave_put(slot, ROW_HIT, 0u);
+    //: end
+    if photon.hits >= job.max_hits { return false; }
+    let surface = surface_at(photon.ray, hit);
+    if !surface.found { return false; }
+    let counts = photon.hits > 0u || photon.registers_first;
+    if counts { wave_register(hit, surface.from_front, photon); }
+    //: if SORTED
+    let u = numbers_group4(wave_numbers(job.first + rank), job.group);
+    let chance = photon_scatter(&photon, surface, u.xy, u.z, job.max_hits);
+    wave_put_photon(slot, photon);
+    wave_put(slot, ROW_HIT, photon_chance_count(chance));
+    //: else
+    let u = numbers_group4(wave_numbers(job.first + slot), PHOTON_WALK_GROUP + photon.hits);
+    let chance = photon_scatter(&photon, surface, u.xy, u.z, job.max_hits);
+    if !(u.w >= chance) {
+        photon.flux = photon.flux / chance;
+        wave_put_photon(slot, photon);
+        wave_ask(slot, PHOTON_CLOSEST);
+    }
+    //: end
+    return counts;
+}
+
+@compute @workgroup_size(64)
+fn scatter(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    //: if REORDERED
+    math_opaque = job.zero;
+    //: end
+    let i = job.window + id.x;
+    //: if SORTED
+    let list = LIST_LANDED + atomicLoad(&sums[HEAD_PARITY]);
+    let count = atomicLoad(&sums[HEAD_ORDERED]);
+    //: else
+    let list = LIST_LANDED;
+    let count = atomicLoad(&sums[HEAD_LANDED]);
+    //: end
+    if i < count {
+        if wave_scatter(atomicLoad(&sums[list_at(list) + i]), i) { atomicAdd(&hits_of_group, 1u); }
+    }
+    workgroupBarrier();
+    if local == 0u { sums_add(HEAD_HITS, vec2(atomicLoad(&hits_of_group), 0u)); }
+}

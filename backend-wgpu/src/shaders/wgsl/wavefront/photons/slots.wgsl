@@ -1,0 +1,73 @@
+// States of photons: what of them is behind which rows, and the rays that they ask for.
+//: use transport::photon
+//: use tree::walk
+//: use wavefront::photons::job
+
+fn element_word(i: u32) -> u32 { return states[job.elements_at + i]; }
+
+fn wave_ray(slot: u32) -> Ray {
+    return Ray(wave_triple(slot, ROW_ORIGIN), wave_triple(slot, ROW_DIRECTION), wave_float(slot, ROW_T_MAX));
+}
+
+fn wave_put_ray(slot: u32, ray: Ray) {
+    wave_put_triple(slot, ROW_ORIGIN, ray.origin);
+    wave_put_triple(slot, ROW_DIRECTION, ray.direction);
+    wave_put_float(slot, ROW_T_MAX, ray.t_max);
+}
+
+fn wave_hit(slot: u32) -> Hit {
+    return Hit(
+        wave_float(slot, ROW_HIT),
+        wave_get(slot, ROW_HIT + 1u),
+        wave_float(slot, ROW_HIT + 2u),
+        wave_float(slot, ROW_HIT + 3u),
+    );
+}
+
+fn wave_put_hit(slot: u32, hit: Hit) {
+    wave_put_float(slot, ROW_HIT, hit.t);
+    wave_put(slot, ROW_HIT + 1u, hit.primitive);
+    wave_put_float(slot, ROW_HIT + 2u, hit.b1);
+    wave_put_float(slot, ROW_HIT + 3u, hit.b2);
+}
+
+fn wave_photon(slot: u32) -> Photon {
+    let flags = wave_get(slot, ROW_FLAGS);
+    return Photon(
+        wave_triple(slot, ROW_FLUX),
+        wave_ray(slot),
+        wave_get(slot, ROW_HITS),
+        wave_get(slot, ROW_LIGHT),
+        (flags & 1u) != 0u,
+        (flags & 2u) != 0u,
+        (flags & 4u) != 0u,
+    );
+}
+
+fn wave_put_photon(slot: u32, photon: Photon) {
+    wave_put_triple(slot, ROW_FLUX, photon.flux);
+    wave_put_ray(slot, photon.ray);
+    wave_put(slot, ROW_HITS, photon.hits);
+    wave_put(slot, ROW_LIGHT, photon.light);
+    let caustic = select(0u, 2u, photon.caustic);
+    wave_put(slot, ROW_FLAGS, u32(photon.registers_first) | caustic | select(0u, 4u, photon.survives_first));
+}
+
+fn wave_numbers(index: u32) -> Numbers {
+    if photons_has(PHOTONS_RANDOM) { return numbers_with_index(numbers_random(job.seed, job.replicate), index); }
+    return numbers_with_index(numbers_sobol(job.seed, job.replicate), index);
+}
+
+@compute @workgroup_size(64)
+fn trace(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = wave_slot(id.x);
+    if slot == job.slots { return; }
+    let shadow = wave_get(slot, ROW_QUERY) == PHOTON_SHADOW;
+    let hit = tree_walk(wave_ray(slot), shadow);
+    if shadow {
+        // Where the photon is stays as it is.
+        wave_put(slot, ROW_QUERY, select(PHOTON_BLOCKED, PHOTON_CLEAR, hit.primitive == TREE_NOTHING));
+        return;
+    }
+    wave_put_hit(slot, hit);
+}

@@ -1,0 +1,91 @@
+//! Scenes and jobs of the tests of photons.
+
+#![allow(dead_code, reason = "each test takes what it needs")]
+
+use etendue_conformance::analytic::compiled;
+use etendue_conformance::golden;
+use etendue_conformance::scenes::{cases, diffuse, environment, point_light, room, shape, sphere};
+use etendue_core::backend::{PhotonJob, PhotonStart, illumination_film_settings};
+use etendue_core::film::Film;
+use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
+use etendue_core::scene::{CompiledScene, LightDesc, MaterialKind, Reflectance, SceneDesc, ShapeKind};
+use etendue_core::transport::photon::Sequence;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A room with a ball, a disk, a mirror and a lamp, under lights of each kind.
+pub(crate) fn furnished() -> SceneDesc {
+    let disk = ShapeKind::Disk { center: [0.3, -0.4, 0.1], radius: 0.4, normal: [0.2, 0.1, 0.9] };
+    let lamp = ShapeKind::Rectangle { center: [0.2, 0.1, 0.9], u: [0.0, 0.2, 0.0], v: [0.3, 0.0, 0.0] };
+    let mirror = ShapeKind::Rectangle { center: [-0.9, 0.1, 0.2], u: [0.0, 0.4, 0.0], v: [0.0, 0.0, 0.5] };
+    SceneDesc {
+        meshes: vec![room([0.0; 3], 1.0, "wall")],
+        shapes: vec![
+            sphere([-0.4, 0.3, -0.5], 0.35, "wall"),
+            shape(disk, "dark"),
+            shape(lamp, "lamp"),
+            shape(mirror, "mirror"),
+        ],
+        materials: vec![
+            diffuse("wall", 0.6, 0.0),
+            diffuse("dark", 0.2, 0.0),
+            diffuse("lamp", 0.1, 2.0),
+            etendue_conformance::scenes::material(
+                "mirror",
+                MaterialKind::Mirror { albedo: Reflectance::flat([0.9; 3]) },
+                0.0,
+            ),
+        ],
+        lights: vec![
+            point_light([0.1, 0.2, 0.5], 1.0),
+            LightDesc::Spot {
+                position: [-0.5, -0.5, 0.9],
+                direction: [0.4, 0.6, -1.0],
+                intensity: [5.0, 2.0, 0.1],
+                cone_deg: 50.0,
+                falloff_deg: 20.0,
+            },
+            LightDesc::Directional { direction: [0.3, -0.2, -1.0], irradiance: [0.7, 0.8, 0.9] },
+            environment(0.2),
+        ],
+        ..SceneDesc::default()
+    }
+}
+
+/// The scenes of the suite in which photons have something to do.
+pub(crate) fn scenes() -> Vec<(String, Arc<CompiledScene>)> {
+    let mut all = vec![("furnished".to_string(), scene(&furnished()))];
+    all.extend(golden::scenes().into_iter().map(|g| (g.name.to_string(), scene(&g.scene))));
+    all.extend(cases::cases().into_iter().map(|c| (c.name.to_string(), scene(&c.scene))));
+    all.retain(|(_, s)| {
+        s.needs.beyond_photons().is_none() && etendue_core::transport::photon::LightPlan::new(s).is_ok()
+    });
+    all
+}
+
+pub(crate) fn scene(desc: &SceneDesc) -> Arc<CompiledScene> {
+    compiled(desc).unwrap()
+}
+
+/// Linear elements of a third of the scene with sides apart.
+pub(crate) fn elements(scene: &CompiledScene) -> ElementSettings {
+    let extent = (scene.bounds.hi - scene.bounds.lo).max_element();
+    ElementSettings { basis: Basis::Linear, sides: Sides::Apart, largest: 0.3 * extent }
+}
+
+pub(crate) fn job(scene: &CompiledScene, sequence: Sequence, replicates: Range<u32>) -> PhotonJob {
+    PhotonJob {
+        seed: 0x1234_5678_9abc,
+        photons: 1 << 10,
+        replicates,
+        max_hits: u32::MAX,
+        start: PhotonStart::Lights { registers_direct: true, survives_first: false },
+        sequence,
+        elements: elements(scene),
+    }
+}
+
+pub(crate) fn film(scene: &CompiledScene, job: &PhotonJob) -> Film {
+    let elements = Elements::new(scene, job.elements);
+    Film::new(illumination_film_settings(scene, &elements, job).unwrap())
+}
