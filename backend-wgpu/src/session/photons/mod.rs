@@ -102,7 +102,8 @@ impl PhotonTask {
         let window = SLOTS[usize::from(is_played(gpu))].min(gpu.dispatch_items(WORKGROUP));
         let wanted = if kind.sorted { u64::from(job.photons.min(WAVE)) } else { window };
         let slots = u64::from(job.photons).min(wanted).next_multiple_of(u64::from(WORKGROUP));
-        let mut tables = Tables::new(scene, &plan, &elements, (job, unit, caustics), (ROWS * slots, slots));
+        let mut tables =
+            Tables::new(scene, &plan, &elements, (job, unit, caustics), shot, (ROWS * slots, slots));
         let lists = if kind.sorted { 7 * slots + 128 } else { 3 * slots };
         tables.numbers.lists = lists as u32;
         let g = gpu.clone();
@@ -298,6 +299,11 @@ impl PhotonTask {
             Stage::Start(at) => {
                 let count = left(self.count(), at);
                 self.run(pass, &wave.start, count);
+                if self.kind.surfaces && !self.kind.sorted {
+                    // Some have landed where they started.
+                    self.turn(pass, &wave.landed);
+                    self.run_indirect(pass, &wave.scatter, 16);
+                }
                 if at + count >= self.count() {
                     self.turn(pass, &wave.turn);
                 }

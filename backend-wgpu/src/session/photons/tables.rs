@@ -6,6 +6,7 @@ use etendue_core::backend::{PhotonJob, PhotonStart};
 use etendue_core::geometry::HilbertGrid;
 use etendue_core::illumination::{Basis, FluxUnit, Sides};
 use etendue_core::scene::CompiledScene;
+use etendue_core::transport::first_shot::{FirstShot, FirstShotParts};
 use etendue_core::transport::photon::{LightPlan, Replicate, Sequence};
 
 /// The numbers of a job, as `wavefront/photons/job.wgsl` has them.
@@ -62,13 +63,21 @@ impl Tables {
         plan: &LightPlan,
         buffers: &ElementBuffers,
         (job, unit, caustics): (&PhotonJob, FluxUnit, bool),
+        shot: Option<&FirstShot>,
         (rows, slots): (u64, u64),
     ) -> Self {
         let elements = &buffers.elements;
         let settings = elements.settings();
         let (counts, (centre, radius)) = plan.parts();
         let (low, scale) = HilbertGrid::new(&scene.bounds).parts();
-        let words = counts.to_vec();
+        let mut words = counts.to_vec();
+        let tables_at = rows + buffers.word_count;
+        let shot_at = tables_at as u32 + words.len() as u32;
+        let (pieces, entries) = shot.map_or((0, 0), |shot| {
+            let parts = shot.parts();
+            words.extend(shot_words(shot, &parts));
+            (shot.pairs() as u32, parts.entries.len() as u32)
+        });
         let (direct, first) = match job.start {
             PhotonStart::Lights { registers_direct, survives_first } => (registers_direct, survives_first),
             PhotonStart::Surfaces { .. } => (false, false),
@@ -82,7 +91,6 @@ impl Tables {
             settings.sides == Sides::Apart,
             caustics,
         ];
-        let plan_at = (rows + buffers.word_count) as u32;
         let numbers = Numbers {
             seed: [job.seed as u32, (job.seed >> 32) as u32],
             slots: slots as u32,
@@ -94,10 +102,13 @@ impl Tables {
             elements: elements.count() as u32,
             // There is one: numbers of photons are powers of two.
             power: unit.power().unwrap_or(0),
-            plan_at,
+            plan_at: tables_at as u32,
             plan_count: counts.len() as u32,
             sphere: [centre.x, centre.y, centre.z, radius],
             grid: [low.x, low.y, low.z, scale],
+            shot_at,
+            pieces,
+            entries,
             ..Numbers::default()
         };
         Self { elements_at: rows, element_words: buffers.word_count, words, numbers }
@@ -118,4 +129,34 @@ impl Tables {
         let (shift, bits) = replicate.even().unwrap_or((0, 0));
         self.numbers = Numbers { replicate: number, shift, bits, ..self.numbers };
     }
+}
+
+/// Words of the first shot before its tables.
+const SHOT_HEAD: usize = 10;
+
+/// The tables of a first shot, as `wavefront/photons/shot.wgsl` has them.
+fn shot_words(shot: &FirstShot, parts: &FirstShotParts<'_>) -> Vec<u32> {
+    let mut words = vec![0; SHOT_HEAD];
+    let mut at = Vec::with_capacity(SHOT_HEAD);
+    let per_watt: Vec<u32> = parts.per_watt.iter().map(|x| x.to_bits()).collect();
+    for table in [parts.ranges, parts.ranks, parts.slots, &per_watt] {
+        at.push(words.len() as u32);
+        words.extend(table);
+    }
+    at.push(words.len() as u32);
+    for piece in shot.pieces() {
+        words.extend([piece.triangle, piece.light]);
+        for [_, b1, b2] in piece.corners.map(|c| c.steps()) {
+            words.extend([b1, b2]);
+        }
+        let [a, b, c] = piece.weights;
+        words.extend([a, b, c, piece.area, piece.looks].map(f32::to_bits));
+    }
+    at.push(words.len() as u32);
+    words.extend(parts.entries.iter().flat_map(|(light, shared)| [*light, u32::from(*shared)]));
+    at.push(words.len() as u32);
+    words.extend(parts.cumulative);
+    at.extend([parts.ranks.len() as u32, parts.slots.len() as u32, u32::from(parts.exact)]);
+    words[..SHOT_HEAD].copy_from_slice(&at);
+    words
 }

@@ -18,8 +18,6 @@ fn wave_pick(index: u32, numbers: Numbers) -> u32 {
     return discrete_even_word(index, job.shift, job.bits);
 }
 
-fn wave_sphere() -> vec4<f32> { return vec4(job.sphere_x, job.sphere_y, job.sphere_z, job.sphere_radius); }
-
 // A photon from a light that the word `pick` chooses.
 fn wave_from_light(pick: u32, u: vec4<f32>) -> Photon {
     counts_at = COUNTS_OF_JOB + job.plan_at;
@@ -52,15 +50,6 @@ fn start(@builtin(global_invocation_id) id: vec3<u32>) {
     if photons_has(PHOTONS_CHOICE) { pick = wave_pick(index, numbers); }
     wave_put_photon(slot, wave_from_light(pick, u));
     wave_ask(slot, PHOTON_CLOSEST);
-    //: end
-}
-
-// The photon of a slot has landed.
-fn wave_lands(slot: u32) {
-    wave_put(slot, ROW_QUERY, PHOTON_LANDED);
-    //: if not SORTED
-    let place = atomicAdd(&sums[HEAD_LANDED], 1u);
-    atomicStore(&sums[list_at(LIST_LANDED) + place], slot);
     //: end
 }
 

@@ -58,6 +58,17 @@ fn wave_numbers(index: u32) -> Numbers {
     return numbers_with_index(numbers_sobol(job.seed, job.replicate), index);
 }
 
+fn wave_sphere() -> vec4<f32> { return vec4(job.sphere_x, job.sphere_y, job.sphere_z, job.sphere_radius); }
+
+// The photon of a slot has landed.
+fn wave_lands(slot: u32) {
+    wave_put(slot, ROW_QUERY, PHOTON_LANDED);
+    //: if not SORTED
+    let place = atomicAdd(&sums[HEAD_LANDED], 1u);
+    atomicStore(&sums[list_at(LIST_LANDED) + place], slot);
+    //: end
+}
+
 @compute @workgroup_size(64)
 fn trace(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = wave_slot(id.x);
