@@ -6,7 +6,6 @@ use super::photons::PhotonTask;
 use super::same_film;
 use super::task::Task as _;
 use crate::gpu::Gpu;
-use crate::unsupported;
 use etendue_core::backend::{
     self, BackendError, Control, GatherJob, GivenMap, JobStats, PathJob, PhotonJob, PhotonStart, Probe,
     Session as _, check_probes,
@@ -74,7 +73,7 @@ impl WgpuSession {
     ) -> Result<PhotonTask, BackendError> {
         let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
         let film = Film::new(*settings);
-        PhotonTask::new(gpu, &self.scene, &buffers, elements, (job, shot), caustics, film)
+        PhotonTask::new(gpu, (&self.scene, self.media()), &buffers, elements, (job, shot), caustics, film)
     }
 
     pub(super) fn illuminate(
@@ -102,10 +101,7 @@ impl WgpuSession {
         if let Some(missing) = needs.beyond_photons() {
             return Err(BackendError::SceneNeeds { method: "photon", missing });
         }
-        match needs.beyond_surfaces() {
-            Some(missing) => Err(unsupported(format!("photons through {missing} (the cpu backend does)"))),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     pub(super) fn image_target(&self, width: u32) -> Target<'static> {

@@ -13,10 +13,11 @@ use etendue_core::illumination::FluxUnit;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::FirstShot;
 use etendue_core::transport::photon::{LightPlan, Replicate, Sequence, WALK_GROUP, WAVE};
+use etendue_core::transport::volume::LightMedia;
 use std::sync::Arc;
 use std::time::Instant;
 use tables::{JOB_WORDS, Numbers, Tables};
-use wave::{Kind, Order, ROWS, Wave};
+use wave::{Kind, Order, Wave, rows};
 
 /// Words before the lists.
 const HEAD: u64 = 16;
@@ -85,7 +86,7 @@ pub struct PhotonTask {
 impl PhotonTask {
     pub(super) fn new(
         gpu: &Arc<Gpu>,
-        scene: &CompiledScene,
+        (scene, media): (&CompiledScene, &LightMedia),
         buffers: &SceneBuffers,
         elements: Arc<ElementBuffers>,
         (job, shot): (&PhotonJob, Option<&FirstShot>),
@@ -102,8 +103,14 @@ impl PhotonTask {
         let window = SLOTS[usize::from(is_played(gpu))].min(gpu.dispatch_items(WORKGROUP));
         let wanted = if kind.sorted { u64::from(job.photons.min(WAVE)) } else { window };
         let slots = u64::from(job.photons).min(wanted).next_multiple_of(u64::from(WORKGROUP));
-        let mut tables =
-            Tables::new(scene, &plan, &elements, (job, unit, caustics), shot, (ROWS * slots, slots));
+        let mut tables = Tables::new(
+            (scene, media),
+            &plan,
+            &elements,
+            (job, unit, caustics),
+            shot,
+            (rows(scene) * slots, slots),
+        );
         let lists = if kind.sorted { 7 * slots + 128 } else { 3 * slots };
         tables.numbers.lists = lists as u32;
         let g = gpu.clone();

@@ -5,9 +5,11 @@ use bytemuck::{Pod, Zeroable};
 use etendue_core::backend::{PhotonJob, PhotonStart};
 use etendue_core::geometry::HilbertGrid;
 use etendue_core::illumination::{Basis, FluxUnit, Sides};
+use etendue_core::light::emit;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{FirstShot, FirstShotParts};
 use etendue_core::transport::photon::{LightPlan, Replicate, Sequence};
+use etendue_core::transport::volume::LightMedia;
 
 /// The numbers of a job, as `wavefront/photons/job.wgsl` has them.
 #[repr(C)]
@@ -38,6 +40,10 @@ pub(super) struct Numbers {
     pub(super) shot_at: u32,
     pub(super) pieces: u32,
     pub(super) entries: u32,
+    pub(super) media_at: u32,
+    pub(super) media_count: u32,
+    pub(super) glows_at: u32,
+    pub(super) glows: u32,
     pub(super) zero: u32,
     pub(super) pad: [u32; 3],
 }
@@ -59,7 +65,7 @@ pub(super) struct Tables {
 impl Tables {
     /// Tables behind `rows` words of `slots` states.
     pub(super) fn new(
-        scene: &CompiledScene,
+        (scene, media): (&CompiledScene, &LightMedia),
         plan: &LightPlan,
         buffers: &ElementBuffers,
         (job, unit, caustics): (&PhotonJob, FluxUnit, bool),
@@ -78,6 +84,20 @@ impl Tables {
             words.extend(shot_words(shot, &parts));
             (shot.pairs() as u32, parts.entries.len() as u32)
         });
+        let media_at = tables_at as u32 + words.len() as u32;
+        let (inside, outside) = media.parts();
+        words.extend(outside.packed());
+        for inside in inside {
+            words.push(u32::from(inside.is_some()));
+            words.extend(inside.unwrap_or_default().packed());
+        }
+        let glows_at = tables_at as u32 + words.len() as u32;
+        for (glow, index) in scene.glows.iter().zip(scene.lights.len() + 1..) {
+            words.push(u32::from(glow.medium));
+            for v in [glow.bounds.lo, glow.bounds.hi, emit::entry_flux(scene, index)] {
+                words.extend(v.to_array().map(f32::to_bits));
+            }
+        }
         let (direct, first) = match job.start {
             PhotonStart::Lights { registers_direct, survives_first } => (registers_direct, survives_first),
             PhotonStart::Surfaces { .. } => (false, false),
@@ -109,6 +129,10 @@ impl Tables {
             shot_at,
             pieces,
             entries,
+            media_at,
+            media_count: inside.len() as u32,
+            glows_at,
+            glows: scene.glows.len() as u32,
             ..Numbers::default()
         };
         Self { elements_at: rows, element_words: buffers.word_count, words, numbers }

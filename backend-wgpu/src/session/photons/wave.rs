@@ -9,8 +9,10 @@ use etendue_core::backend::BackendError;
 use etendue_core::scene::CompiledScene;
 use std::sync::Arc;
 
-/// Words of a state.
-pub(super) const ROWS: u64 = 18;
+/// Words of a state: more where there are media.
+pub(super) fn rows(scene: &CompiledScene) -> u64 {
+    if scene.needs.volume() { 29 } else { 18 }
+}
 
 /// How the photons of a job walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -88,56 +88,63 @@ fn shot_fly(entry: u32, pmf: f32, u: vec4<f32>) -> Photon {
     return photon;
 }
 
-// Starts the photon of a slot: it flies, or has landed, or asks whether it is lit.
-fn shot_start(slot: u32, pick: u32, u: vec4<f32>) {
+// A start: `pick` chooses the entry, `u` the place and whether it looks, or the light's photon.
+fn shot_begin(pick: u32, u: vec4<f32>) -> PhotonBegins {
+    var begins: PhotonBegins;
     shot_counts();
     let picked = discrete_pick_in(job.pieces + job.entries, pick);
-    wave_put(slot, ROW_QUERY, PHOTON_OVER);
     if picked.index >= job.pieces {
-        if picked.index - job.pieces < job.entries {
-            wave_put_photon(slot, shot_fly(picked.index - job.pieces, picked.pmf, u));
-            wave_ask(slot, PHOTON_CLOSEST);
+        let entry = picked.index - job.pieces;
+        if entry < job.entries {
+            begins.found = true;
+            begins.photon = shot_fly(entry, picked.pmf, u);
+            begins.entry = shot_word(shot_word(5u) + 2u * entry);
         }
-        return;
+        return begins;
     }
     let piece = shot_piece(picked.index);
     let light = light_record(piece.light);
     let on_piece = linear_triangle_sample(piece.weights, u.xy);
     let b = first_shot_on_triangle(piece.corners, on_piece);
     let point = shot_point(piece.triangle, b.y, b.z);
-    let direction = -emit_toward(light, point.position);
-    var photon = photon_new(Ray(point.position, direction, MAX_FLOAT), vec3(0.0f));
-    photon.registers_first = false;
-    photon.caustic = true;
-    photon.survives_first = true;
-    var hit = Hit(0.0f, piece.triangle, b.y, b.z);
-    var looks = false;
-    var look = photon.ray;
+    let normal = shot_normal(piece.triangle);
+    let to_light = emit_toward(light, point.position);
+    begins.entry = piece.light;
+    begins.lands = true;
+    begins.hit = Hit(0.0f, piece.triangle, b.y, b.z);
+    begins.photon = photon_new(Ray(point.position, -to_light, MAX_FLOAT), vec3(0.0f));
+    begins.photon.registers_first = false;
+    begins.photon.caustic = true;
+    begins.photon.survives_first = true;
+    begins.chance = piece.looks;
+    begins.colour = shot_colour(light);
+    let direct = irradiance_from_light(light, point, normal);
+    begins.found = true;
+    begins.look = direct.ray;
     if shot_is_exact() {
-        let direct = irradiance_from_light(light, point, shot_normal(piece.triangle));
-        if !direct.found { return; }
+        begins.found = direct.found;
         let density = first_shot_density(picked.pmf, piece.weights, piece.area, on_piece);
-        photon.flux = first_shot_start_flux(direct.irradiance, density, shot_per_watt(piece.light));
-        looks = u.w < piece.looks;
-        look = direct.ray;
+        let per_watt = shot_per_watt(piece.light);
+        begins.photon.flux = first_shot_start_flux(direct.irradiance, density, per_watt);
+        begins.looks = u.w < piece.looks;
+        begins.densities = vec2(density, first_shot_light_density(direct.irradiance, per_watt));
     } else {
-        photon.flux = first_shot_piece_flux(shot_colour(light), piece.weights, piece.area, picked.pmf);
+        begins.photon.flux = first_shot_piece_flux(begins.colour, piece.weights, piece.area, picked.pmf);
+        //: if VOLUME
+        begins.looks = true;
+        // To where the light is, should it send nothing here.
+        if !direct.found {
+            begins.look = geometry_segment(
+                geometry_offset_origin(point, normal, to_light),
+                light_float3(light + LIGHT_PLACE),
+            );
+        }
+        //: end
     }
-    if looks {
-        // While it asks, the light's number and the chance stand where they are not needed yet.
-        hit.t = piece.looks;
-        photon.light = piece.light;
-        photon.ray = look;
-    }
-    wave_put_hit(slot, hit);
-    wave_put_photon(slot, photon);
-    if looks {
-        wave_ask(slot, PHOTON_SHADOW);
-    } else if !math_is_zero3(photon.flux) {
-        wave_lands(slot);
-    }
+    return begins;
 }
 
+//: if not VOLUME
 // Whether a start has landed with something, now that it is known whether it is lit.
 fn shot_looked(slot: u32) -> bool {
     let blocked = wave_get(slot, ROW_QUERY) == PHOTON_BLOCKED;
@@ -153,6 +160,7 @@ fn shot_looked(slot: u32) -> bool {
     wave_put(slot, ROW_QUERY, PHOTON_OVER);
     return !math_is_zero3(photon.flux);
 }
+//: end
 
 // Density per area of starts on the pieces of one light at a hit.
 fn shot_density_at(light: u32, hit: Hit) -> f32 {
@@ -190,10 +198,13 @@ fn shot_weigh(slot: u32) {
         return;
     }
     let hit = wave_hit(slot);
-    if hit.primitive == TREE_NOTHING { return; }
     let point = shot_point(hit.primitive, hit.b1, hit.b2);
     let direct = irradiance_from_light(light_record(light), point, shot_normal(hit.primitive));
     if !direct.found { return; }
-    let share = first_shot_light_share(direct.irradiance, shot_density_at(light, hit), shot_per_watt(light));
+    var e = direct.irradiance;
+    //: if VOLUME
+    e = e * wave_float(slot, ROW_CHANCE);
+    //: end
+    let share = first_shot_light_share(e, shot_density_at(light, hit), shot_per_watt(light));
     wave_put_triple(slot, ROW_FLUX, wave_triple(slot, ROW_FLUX) * share);
 }
