@@ -6,6 +6,7 @@ use super::photons::PhotonTask;
 use super::same_film;
 use super::task::Task as _;
 use crate::gpu::Gpu;
+use crate::unsupported;
 use etendue_core::backend::{
     self, BackendError, Control, GatherJob, GivenMap, JobStats, PathJob, PhotonJob, PhotonStart, Probe,
     Session as _, check_probes,
@@ -71,7 +72,8 @@ impl WgpuSession {
         caustics: bool,
         settings: &FilmSettings,
     ) -> Result<PhotonTask, BackendError> {
-        let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
+        let (buffers, elements) =
+            (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), elements)?);
         let film = Film::new(*settings);
         PhotonTask::new(gpu, (&self.scene, self.media()), &buffers, elements, (job, shot), caustics, film)
     }
@@ -139,6 +141,9 @@ impl WgpuSession {
     ) -> Result<JobStats, BackendError> {
         job.check(&self.scene)?;
         self.check_photons()?;
+        if let Some(missing) = self.scene.needs.beyond_surfaces() {
+            return Err(unsupported(format!("a map read through {missing} (the cpu backend does)")));
+        }
         same_film(film, expected)?;
         let maps = job.maps(target.edges());
         let elements = self.elements(&maps.elements);
@@ -149,7 +154,8 @@ impl WgpuSession {
         let sent_on = needs.mirrors || needs.refraction || needs.panes;
         let caustics = (job.gather || needs.round_shapes) && sent_on && needs.point_like_lights;
         let (part, stats) = self.source.run(|gpu| {
-            let (buffers, on_device) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, &elements)?);
+            let (buffers, on_device) =
+                (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), &elements)?);
             blocks(
                 &job.path,
                 u64::from(job.photons),
@@ -192,7 +198,8 @@ impl WgpuSession {
             });
         }
         let (part, stats) = self.source.run(|gpu| {
-            let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, &elements)?);
+            let (buffers, elements) =
+                (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), &elements)?);
             let map = Map { elements, all: map.values, caustics: &[], gather: map.gather };
             map.read(gpu, (&self.scene, &buffers), job, target, control, Film::new(*expected))
         })?;

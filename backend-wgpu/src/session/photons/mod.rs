@@ -95,7 +95,10 @@ impl PhotonTask {
     ) -> Result<Self, BackendError> {
         let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
         let surfaces = matches!(job.start, PhotonStart::Surfaces { .. });
-        let kind = Kind { sorted: job.sequence == Sequence::Sorted, surfaces };
+        // What lights send into is known of most.
+        let searches = !scene.glows.is_empty() || media.parts().0.contains(&None);
+        let follows = scene.needs.volume() && (surfaces || searches);
+        let kind = Kind { sorted: job.sequence == Sequence::Sorted, surfaces, follows };
         let wave = Wave::new(gpu, scene, buffers.stack, kind)?;
         let total = plan.total().into_iter().fold(0.0, f64::max);
         let unit = FluxUnit::new(total, job.photons);

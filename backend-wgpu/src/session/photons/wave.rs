@@ -21,6 +21,8 @@ pub(super) struct Kind {
     pub(super) sorted: bool,
     /// They start on surfaces.
     pub(super) surfaces: bool,
+    /// Ways are followed before they start.
+    pub(super) follows: bool,
 }
 
 /// The pipelines of a wave.
@@ -56,6 +58,7 @@ impl Wave {
         features.push("JOB_COUNTS");
         features.extend(kind.sorted.then_some("SORTED"));
         features.extend(kind.surfaces.then_some("SURFACES"));
+        features.extend(kind.follows.then_some("FOLLOWS"));
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::photons\n");
         let name = format!("photons {} stack {stack}", features.join(" "));
         let bindings = bindings([Binding::Write, Binding::Write]);

@@ -1,10 +1,13 @@
 // The first step of a photon where there are media: which ones it starts in, and what its way has left of a light that it comes straight from.
 //: use illumination::sums
+//: if FOLLOWS
 //: use transport::volume::lights
+//: end
 //: use wavefront::photons::slots
 
 fn wave_inside_at(at: u32) -> Inside { return vec3(job_word(at), job_word(at + 1u), job_word(at + 2u)); }
 
+//: if FOLLOWS
 // What is multiplied into a start's flux where this is left of the light.
 fn wave_seen(begins: PhotonBegins, straight: FromLight) -> vec3<f32> {
     let here = begins.densities.x;
@@ -14,6 +17,7 @@ fn wave_seen(begins: PhotonBegins, straight: FromLight) -> vec3<f32> {
     if mean > 0.0f { return straight.left / mean; }
     return vec3(1.0f);
 }
+//: end
 
 fn wave_begin(slot: u32, begins: PhotonBegins) {
     var photon = begins.photon;
@@ -24,11 +28,9 @@ fn wave_begin(slot: u32, begins: PhotonBegins) {
     let known = job.media_at + 3u + 4u * begins.entry;
     let is_glow = begins.entry > scene_at.light_count;
     var inside = outside;
-    var searches = is_glow;
-    if begins.entry < job.media_count {
-        searches = job_word(known) == 0u;
-        inside = wave_inside_at(known + 1u);
-    }
+    if begins.entry < job.media_count { inside = wave_inside_at(known + 1u); }
+    //: if FOLLOWS
+    let searches = is_glow || (begins.entry < job.media_count && job_word(known) == 0u);
     if begins.lands || searches {
         let phase = select(LIGHTS_OUT, LIGHTS_BACK, begins.lands);
         let normal = scene_triple(scene_at.surfaces + SURFACE_WORDS * begins.hit.primitive + 4u);
@@ -41,6 +43,7 @@ fn wave_begin(slot: u32, begins: PhotonBegins) {
             sums_add(HEAD_RAYS, vec2(followed.rays, 0u));
         }
     }
+    //: end
     photon.way.inside = inside;
     if is_glow {
         // Only where the medium counts does it emit.
