@@ -4,7 +4,7 @@ use super::elements::ElementBuffers;
 use super::path::PathTask;
 use super::scene::SceneBuffers;
 use super::task::{Portion, Task as _};
-use super::wave::{Behind, GATHER, PathStart};
+use super::wave::{Behind, GATHER, GATHER_VOLUME, PathStart};
 use crate::gpu::Gpu;
 use etendue_core::backend::{BackendError, Control, JobStats, PathJob};
 use etendue_core::film::Film;
@@ -130,13 +130,14 @@ impl Map<'_> {
         film: Film,
     ) -> Result<(Film, JobStats), BackendError> {
         let behind = self.behind(scene, job, target);
-        let form = (&GATHER, target.start(), behind);
+        let form = if scene.needs.volume() { &GATHER_VOLUME } else { &GATHER };
+        let form = (form, target.start(), behind);
         PathTask::with(gpu, scene, buffers, job, form, film)?.drive(control)
     }
 }
 
-/// Twelve words: point and extent, normal, nothing, the hit, and bits.
-fn probe_words(scene: &CompiledScene, place: &ProbePlace, gather: bool) -> [u32; 12] {
+/// Point and extent, normal, nothing, the hit, bits, what it lies in, nothing.
+fn probe_words(scene: &CompiledScene, place: &ProbePlace, gather: bool) -> [u32; 16] {
     let [x, y, z] = place.point.position.to_array().map(f32::to_bits);
     let [nx, ny, nz] = place.normal.to_array().map(f32::to_bits);
     let (hit, front) = place
@@ -145,7 +146,8 @@ fn probe_words(scene: &CompiledScene, place: &ProbePlace, gather: bool) -> [u32;
     let is_round = place.hit.is_some_and(|(hit, _)| hit.primitive as usize >= scene.triangles.len());
     let bits = u32::from(place.hit.is_some()) | u32::from(front) << 1 | u32::from(gather || is_round) << 2;
     let [primitive, b1, b2] = hit;
-    [x, y, z, place.point.extent.to_bits(), nx, ny, nz, 0, primitive, b1, b2, bits]
+    let [m0, m1, m2] = place.inside.packed();
+    [x, y, z, place.point.extent.to_bits(), nx, ny, nz, 0, primitive, b1, b2, bits, m0, m1, m2, 0]
 }
 
 /// The maps of a job's blocks, one after another, each read in its block.

@@ -6,7 +6,6 @@ use super::photons::PhotonTask;
 use super::same_film;
 use super::task::Task as _;
 use crate::gpu::Gpu;
-use crate::unsupported;
 use etendue_core::backend::{
     self, BackendError, Control, GatherJob, GivenMap, JobStats, PathJob, PhotonJob, PhotonStart, Probe,
     Session as _, check_probes,
@@ -141,9 +140,6 @@ impl WgpuSession {
     ) -> Result<JobStats, BackendError> {
         job.check(&self.scene)?;
         self.check_photons()?;
-        if let Some(missing) = self.scene.needs.beyond_surfaces() {
-            return Err(unsupported(format!("a map read through {missing} (the cpu backend does)")));
-        }
         same_film(film, expected)?;
         let maps = job.maps(target.edges());
         let elements = self.elements(&maps.elements);

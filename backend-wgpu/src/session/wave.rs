@@ -40,6 +40,8 @@ const VOLUME: Form = Form { module: "wavefront::volume", rows: 45, media: true, 
 pub(crate) const GATHER: Form =
     Form { module: "wavefront::gather", rows: 45, media: false, features: &["GATHER", "JOB_COUNTS"] };
 
+pub(crate) const GATHER_VOLUME: Form = Form { rows: 65, ..GATHER };
+
 /// What the paths of a job read beside the scene, behind their states: words, and where among them those of probes begin.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Behind {
