@@ -25,7 +25,6 @@ pub(crate) use wave::{Estimator, PathStart};
 
 use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
-use crate::unsupported;
 use bidirectional::BothEnds;
 use elements::KeptElements;
 use etendue_core::backend::{
@@ -210,22 +209,14 @@ impl WgpuSession {
         elements: &Arc<Elements>,
         settings: &FilmSettings,
     ) -> Result<DirectTask, BackendError> {
-        let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
+        let (buffers, elements) =
+            (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), elements)?);
         DirectTask::new(gpu, &self.scene, &buffers, elements, job, Film::new(*settings))
     }
 
     fn check_direct(&self, job: &PathJob) -> Result<(), BackendError> {
         job.check()?;
-        let needs = &self.scene.needs;
-        if let Some(missing) = needs.beyond_photons() {
-            return Err(BackendError::SceneNeeds { method: "photon", missing });
-        }
-        match needs.beyond_surfaces() {
-            Some(missing) => {
-                Err(unsupported(format!("direct irradiance through {missing} (the cpu backend does)")))
-            }
-            None => Ok(()),
-        }
+        self.check_photons()
     }
 
     fn image(&self, width: u32) -> PathStart {

@@ -135,9 +135,7 @@ impl PathTask {
         let room = plan.map(|plan| {
             plan.room(scene, (job, film.settings()), (slots, is_image), (behind_probes, behind_lists))
         });
-        if let Some(room) = &room {
-            more = room.words;
-        }
+        let asked = room.as_ref().map_or(asked, |room| room.words);
         let (state_words, queue_words) =
             room.as_ref().map_or((behind_probes, behind_lists), |room| (room.states, room.queue));
         let g = gpu.clone();

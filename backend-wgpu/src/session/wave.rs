@@ -82,7 +82,8 @@ impl Form {
     pub(crate) fn gather(scene: &CompiledScene) -> Self {
         let mut features = features::of(scene);
         features.extend(["GATHER", "JOB_COUNTS"]);
-        Self { module: "wavefront::gather", parts: &["advance"], rows: 45, media: false, features }
+        let rows = if scene.needs.volume() { 65 } else { 45 };
+        Self { module: "wavefront::gather", parts: &["advance"], rows, media: false, features }
     }
 
     /// Paths through media with summed airlight.
