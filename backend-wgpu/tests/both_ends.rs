@@ -16,7 +16,7 @@ use etendue_core::scene::{
     CameraDesc, CompiledScene, MaterialKind, MediumDesc, Reflectance, SceneDesc, ShapeDesc, ShapeKind,
 };
 use etendue_core::transport::bidirectional::{CUTOFF, Heuristic};
-use etendue_wgpu::{Options, WgpuBackend, wgpu};
+use etendue_wgpu::{Mutation, Options, WgpuBackend, wgpu};
 use std::sync::Arc;
 
 const HEURISTICS: [Heuristic; 3] = [Heuristic::Power, Heuristic::Balance, Heuristic::Cutoff(CUTOFF)];
@@ -154,18 +154,32 @@ fn lists_of_strategies_are_kept_in_media() {
     agree(&backend, &compiled(&desc).unwrap(), None, &job(2, 1, 24, Heuristic::Cutoff(CUTOFF)));
 }
 
+/// The room by a few pixels, which are bright.
+fn few_pixels() -> Arc<CompiledScene> {
+    let mut scene = furnished(0.7);
+    scene.camera = scene.camera.map(|c| CameraDesc { resolution: [3, 2], ..c });
+    compiled(&scene).unwrap()
+}
+
 #[test]
 fn waves_may_be_small() {
     // A binding so small that blocks are cut, and splats are of many blocks.
     let limits = wgpu::Limits { max_storage_buffer_binding_size: 1 << 19, ..wgpu::Limits::default() };
     let options = Options { limits: Some(limits), ..Options::default() };
     let Some(backend) = adapter::exact_with(options) else { return };
-    let mut scene = furnished(0.7);
-    scene.camera = scene.camera.map(|c| CameraDesc { resolution: [3, 2], ..c });
-    let scene = compiled(&scene).unwrap();
     for (block_length, blocks) in [(256, 1), (4, 30)] {
-        agree(&backend, &scene, None, &job(block_length, blocks, u32::MAX, Heuristic::Power));
+        agree(&backend, &few_pixels(), None, &job(block_length, blocks, u32::MAX, Heuristic::Power));
     }
+}
+
+#[test]
+fn splats_without_their_carries_show() {
+    let module = "wavefront::bidirectional::joints";
+    let mutations = vec![Mutation { module, from: "return u32(old + x < old);", to: "return 0u;" }];
+    let Some(backend) = adapter::exact_with(Options { mutations, ..Options::default() }) else { return };
+    let (scene, job) = (few_pixels(), job(256, 1, 6, Heuristic::Power));
+    let [ours, theirs] = [&backend as &dyn Backend, &ReferenceBackend].map(|b| film(b, &scene, None, &job).0);
+    assert!(ours != theirs);
 }
 
 #[test]
