@@ -20,6 +20,7 @@ pub(crate) const FEATURES: &[&str] = &[
     "VOLUME",
     "GRIDS",
     "COLOURED_GRIDS",
+    "AIRLIGHT",
     "BIDIRECTIONAL",
     "DETAIL",
     "CUTOFF",

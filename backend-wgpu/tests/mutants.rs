@@ -254,23 +254,9 @@ const MUTANTS: &[Mutant] = &[
     ),
     (
         "splats without their carries",
-        "wavefront::bidirectional",
+        "wavefront::bidirectional::joints",
         "return u32(old + x < old);",
         "return 0u;",
-        By::BothEnds("room"),
-    ),
-    (
-        "splats cut off, not rounded",
-        "transport::bidirectional::splats",
-        "select(0.5f, -0.5f, units < 0.0f)",
-        "0.0f",
-        By::BothEnds("room"),
-    ),
-    (
-        "joints that leave out the last vertex of the light's walk",
-        "wavefront::bidirectional",
-        "end = select(0u, count + 1u, vertex.edges < job.max_depth);",
-        "end = select(0u, max(count, 1u), vertex.edges < job.max_depth);",
         By::BothEnds("room"),
     ),
     (
@@ -278,13 +264,6 @@ const MUTANTS: &[Mutant] = &[
         "transport::bidirectional::vertex",
         "math_abs(select(cos, cos * there / here, from_light))",
         "math_abs(cos)",
-        By::BothEnds("stage"),
-    ),
-    (
-        "a place on the lens of another event",
-        "transport::bidirectional::connect",
-        "sobol_group2(sampler, LIGHT_GROUPS + WALK_GROUPS * event + 1u)",
-        "sobol_group2(sampler, LIGHT_GROUPS + WALK_GROUPS * event + 4u)",
         By::BothEnds("stage"),
     ),
 ];

@@ -1,6 +1,7 @@
 //! Direct irradiance on the device: places in small submissions, and sums of a block in fixed point, which the host reads.
 
 use super::elements::ElementBuffers;
+use super::features;
 use super::scene::{OFFSETS, SceneBuffers};
 use super::task::{Pace, Step, Task, WORKGROUP, bindings};
 use crate::gpu::{Binding, Buffer, Gpu, Pending, Pipeline, PipelineKey};
@@ -62,8 +63,11 @@ impl DirectTask {
     ) -> Result<Self, BackendError> {
         let stack = buffers.stack;
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::direct\n");
-        let key = PipelineKey { name: format!("direct stack {stack}"), entry: "direct" };
-        let link = Link { root: &root, features: &[], mutations: &[] };
+        // Surfaces count by their places alone where light is not changed on its way.
+        let features = if scene.needs.volume() { features::of(scene) } else { Vec::new() };
+        let name = format!("direct {} stack {stack}", features.join(" "));
+        let key = PipelineKey { name, entry: "direct" };
+        let link = Link { root: &root, features: &features, mutations: &[] };
         let pipeline = gpu.pipeline(key, link, &bindings([Binding::Write, Binding::Read]))?;
         let count = elements.lights[1];
         let groups = count.clamp(1, gpu.limits.max_compute_workgroups_per_dimension.max(1));

@@ -5,9 +5,10 @@ use etendue_core::backend::BackendError;
 use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::light::emit;
 use etendue_core::scene::CompiledScene;
+use etendue_core::transport::volume::LightMedia;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Elements, what an arrival counts for as shaders read it (`illumination/elements.wgsl`), and which lights have no size.
+/// Elements, what an arrival counts for as shaders read it (`illumination/elements.wgsl`), which lights have no size, and what these send into.
 #[derive(Debug)]
 pub(super) struct ElementBuffers {
     pub(super) elements: Arc<Elements>,
@@ -25,7 +26,7 @@ pub(super) struct ElementBuffers {
 impl ElementBuffers {
     pub(super) fn new(
         gpu: &Gpu,
-        scene: &CompiledScene,
+        (scene, media): (&CompiledScene, &LightMedia),
         elements: Arc<Elements>,
     ) -> Result<Self, BackendError> {
         let (places, nodes) = elements.parts();
@@ -34,8 +35,16 @@ impl ElementBuffers {
         words.extend(nodes);
         let first_light = words.len() as u32;
         let lights = scene.lights.iter().zip(0..).filter(|(light, _)| emit::is_point_like(light));
-        words.extend(lights.map(|(_, number)| number));
-        let lights = [first_light, words.len() as u32 - first_light];
+        let numbers: Vec<u32> = lights.map(|(_, number)| number).collect();
+        words.extend(&numbers);
+        let lights = [first_light, numbers.len() as u32];
+        let (inside, outside) = media.parts();
+        words.extend(outside.packed());
+        for number in numbers {
+            // A light without size sends into the same all over it.
+            let of = inside.get(number as usize).copied().flatten();
+            words.extend(of.unwrap_or(outside).packed());
+        }
         let word_count = words.len() as u64;
         let words = gpu.scoped(|| gpu.upload("elements", &words))?;
         let primitives = places.len() as u64;
@@ -82,7 +91,7 @@ impl KeptElements {
     pub(super) fn on(
         &self,
         gpu: &Arc<Gpu>,
-        scene: &CompiledScene,
+        (scene, media): (&CompiledScene, &LightMedia),
         elements: &Arc<Elements>,
     ) -> Result<Arc<ElementBuffers>, BackendError> {
         let mut sent = self.sent.lock().unwrap_or_else(PoisonError::into_inner);
@@ -92,7 +101,7 @@ impl KeptElements {
         {
             return Ok(buffers.clone());
         }
-        let buffers = Arc::new(ElementBuffers::new(gpu, scene, elements.clone())?);
+        let buffers = Arc::new(ElementBuffers::new(gpu, (scene, media), elements.clone())?);
         *sent = Some((gpu.clone(), buffers.clone()));
         Ok(buffers)
     }

@@ -135,8 +135,8 @@ impl Map<'_> {
     }
 }
 
-/// Twelve words: point and extent, normal, nothing, the hit, and bits.
-fn probe_words(scene: &CompiledScene, place: &ProbePlace, gather: bool) -> [u32; 12] {
+/// Point and extent, normal, nothing, the hit, bits, what it lies in, nothing.
+fn probe_words(scene: &CompiledScene, place: &ProbePlace, gather: bool) -> [u32; 16] {
     let [x, y, z] = place.point.position.to_array().map(f32::to_bits);
     let [nx, ny, nz] = place.normal.to_array().map(f32::to_bits);
     let (hit, front) = place
@@ -145,7 +145,8 @@ fn probe_words(scene: &CompiledScene, place: &ProbePlace, gather: bool) -> [u32;
     let is_round = place.hit.is_some_and(|(hit, _)| hit.primitive as usize >= scene.triangles.len());
     let bits = u32::from(place.hit.is_some()) | u32::from(front) << 1 | u32::from(gather || is_round) << 2;
     let [primitive, b1, b2] = hit;
-    [x, y, z, place.point.extent.to_bits(), nx, ny, nz, 0, primitive, b1, b2, bits]
+    let [m0, m1, m2] = place.inside.packed();
+    [x, y, z, place.point.extent.to_bits(), nx, ny, nz, 0, primitive, b1, b2, bits, m0, m1, m2, 0]
 }
 
 /// The maps of a job's blocks, one after another, each read in its block.

@@ -6,7 +6,6 @@ use super::photons::PhotonTask;
 use super::same_film;
 use super::task::Task as _;
 use crate::gpu::Gpu;
-use crate::unsupported;
 use etendue_core::backend::{
     self, BackendError, Control, GatherJob, GivenMap, JobStats, PathJob, PhotonJob, PhotonStart, Probe,
     Session as _, check_probes,
@@ -72,9 +71,10 @@ impl WgpuSession {
         caustics: bool,
         settings: &FilmSettings,
     ) -> Result<PhotonTask, BackendError> {
-        let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
+        let (buffers, elements) =
+            (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), elements)?);
         let film = Film::new(*settings);
-        PhotonTask::new(gpu, &self.scene, &buffers, elements, (job, shot), caustics, film)
+        PhotonTask::new(gpu, (&self.scene, self.media()), &buffers, elements, (job, shot), caustics, film)
     }
 
     pub(super) fn illuminate(
@@ -102,10 +102,7 @@ impl WgpuSession {
         if let Some(missing) = needs.beyond_photons() {
             return Err(BackendError::SceneNeeds { method: "photon", missing });
         }
-        match needs.beyond_surfaces() {
-            Some(missing) => Err(unsupported(format!("photons through {missing} (the cpu backend does)"))),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     pub(super) fn image_target(&self, width: u32) -> Target<'static> {
@@ -153,7 +150,8 @@ impl WgpuSession {
         let sent_on = needs.mirrors || needs.refraction || needs.panes;
         let caustics = (job.gather || needs.round_shapes) && sent_on && needs.point_like_lights;
         let (part, stats) = self.source.run(|gpu| {
-            let (buffers, on_device) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, &elements)?);
+            let (buffers, on_device) =
+                (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), &elements)?);
             blocks(
                 &job.path,
                 u64::from(job.photons),
@@ -196,7 +194,8 @@ impl WgpuSession {
             });
         }
         let (part, stats) = self.source.run(|gpu| {
-            let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, &elements)?);
+            let (buffers, elements) =
+                (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), &elements)?);
             let map = Map { elements, all: map.values, caustics: &[], gather: map.gather };
             map.read(gpu, (&self.scene, &buffers), job, target, control, Film::new(*expected))
         })?;

@@ -22,11 +22,10 @@ pub use path::PathTask;
 pub use photons::PhotonTask;
 pub(crate) use scene::SceneBuffers;
 pub use task::Step;
-pub(crate) use wave::PathStart;
+pub(crate) use wave::{Estimator, PathStart};
 
 use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
-use crate::unsupported;
 use bidirectional::BothEnds;
 use elements::KeptElements;
 use etendue_core::backend::{
@@ -45,7 +44,7 @@ use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
 use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, Forecast, Subdivision};
-use etendue_core::transport::volume::{LightMedia, Surroundings, probe_starts};
+use etendue_core::transport::volume::{LightMedia, SingleScatter, Surroundings, has_airlight, probe_starts};
 use etendue_cpu::Radiosity;
 use etendue_tree::WideTree;
 use gather::Target;
@@ -114,7 +113,7 @@ impl WgpuSession {
     fn task(
         &self,
         gpu: &Arc<Gpu>,
-        job: (&PathJob, Option<&BothEnds>),
+        job: (&PathJob, &Estimator),
         start: PathStart,
         settings: &FilmSettings,
     ) -> Result<PathTask, BackendError> {
@@ -122,10 +121,16 @@ impl WgpuSession {
         PathTask::new(gpu, &self.scene, &buffers, job, start, Film::new(*settings))
     }
 
-    /// What a job from both ends asks for beside paths.
-    fn both_ends(&self, job: &BidirectionalJob) -> BothEnds {
+    fn both_ends(&self, job: &BidirectionalJob) -> Estimator {
         let media = LightMedia::new(&self.scene, &self.tree, self.surroundings.outside);
-        BothEnds::new(job, &self.scene, &media)
+        Estimator::BothEnds(BothEnds::new(job, &self.scene, &media))
+    }
+
+    /// What the walk cannot see in two edges, or there is none of, is not summed.
+    fn airlight(&self, job: &PathJob, single: SingleScatter) -> Result<Estimator, BackendError> {
+        single.check()?;
+        let any = job.max_depth >= 2 && has_airlight(&self.scene);
+        Ok(if any { Estimator::Airlight(single) } else { Estimator::Path })
     }
 
     /// An image as a task that never waits; [`PathTask::step`] drives it, within a host's frame loop say.
@@ -135,7 +140,22 @@ impl WgpuSession {
     pub fn path_image_task(&self, job: &PathJob) -> Result<PathTask, BackendError> {
         let settings = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
-        self.task(&self.source.gpu(), (job, None), self.image(settings.width), &settings)
+        self.task(&self.source.gpu(), (job, &Estimator::Path), self.image(settings.width), &settings)
+    }
+
+    /// An image with summed airlight as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`Session::airlight_image`].
+    pub fn airlight_image_task(
+        &self,
+        job: &PathJob,
+        single: SingleScatter,
+    ) -> Result<PathTask, BackendError> {
+        let estimator = self.airlight(job, single)?;
+        let settings = backend::image_film_settings(&self.scene, job)?;
+        self.check_paths(job)?;
+        self.task(&self.source.gpu(), (job, &estimator), self.image(settings.width), &settings)
     }
 
     /// Probes as a task that never waits.
@@ -145,7 +165,7 @@ impl WgpuSession {
     pub fn path_probes_task(&self, job: &PathJob, probes: &[Probe]) -> Result<PathTask, BackendError> {
         let settings = backend::probe_film_settings(&self.scene, job, probes.len());
         self.check_paths(job)?;
-        self.task(&self.source.gpu(), (job, None), self.probes(probes)?, &settings)
+        self.task(&self.source.gpu(), (job, &Estimator::Path), self.probes(probes)?, &settings)
     }
 
     /// An image from both ends as a task that never waits.
@@ -155,8 +175,8 @@ impl WgpuSession {
     pub fn bidirectional_image_task(&self, job: &BidirectionalJob) -> Result<PathTask, BackendError> {
         let settings = backend::image_film_settings(&self.scene, &job.path)?;
         self.check_paths(&job.path)?;
-        let ends = self.both_ends(job);
-        self.task(&self.source.gpu(), (&job.path, Some(&ends)), self.image(settings.width), &settings)
+        let estimator = self.both_ends(job);
+        self.task(&self.source.gpu(), (&job.path, &estimator), self.image(settings.width), &settings)
     }
 
     /// Probes from both ends as a task that never waits.
@@ -170,8 +190,8 @@ impl WgpuSession {
     ) -> Result<PathTask, BackendError> {
         let settings = backend::probe_film_settings(&self.scene, &job.path, probes.len());
         self.check_paths(&job.path)?;
-        let ends = self.both_ends(job);
-        self.task(&self.source.gpu(), (&job.path, Some(&ends)), self.probes(probes)?, &settings)
+        let estimator = self.both_ends(job);
+        self.task(&self.source.gpu(), (&job.path, &estimator), self.probes(probes)?, &settings)
     }
 
     /// Direct irradiance as a task that never waits.
@@ -192,22 +212,14 @@ impl WgpuSession {
         elements: &Arc<Elements>,
         settings: &FilmSettings,
     ) -> Result<DirectTask, BackendError> {
-        let (buffers, elements) = (self.buffers(gpu)?, self.elements.on(gpu, &self.scene, elements)?);
+        let (buffers, elements) =
+            (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), elements)?);
         DirectTask::new(gpu, &self.scene, &buffers, elements, job, Film::new(*settings))
     }
 
     fn check_direct(&self, job: &PathJob) -> Result<(), BackendError> {
         job.check()?;
-        let needs = &self.scene.needs;
-        if let Some(missing) = needs.beyond_photons() {
-            return Err(BackendError::SceneNeeds { method: "photon", missing });
-        }
-        match needs.beyond_surfaces() {
-            Some(missing) => {
-                Err(unsupported(format!("direct irradiance through {missing} (the cpu backend does)")))
-            }
-            None => Ok(()),
-        }
+        self.check_photons()
     }
 
     fn image(&self, width: u32) -> PathStart {
@@ -231,7 +243,7 @@ impl WgpuSession {
 
     fn run(
         &self,
-        job: (&PathJob, Option<&BothEnds>),
+        job: (&PathJob, &Estimator),
         start: &PathStart,
         control: &dyn Control,
         film: &mut Film,
@@ -272,7 +284,7 @@ impl Session for WgpuSession {
         let expected = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
         same_film(film, &expected)?;
-        self.run((job, None), &self.image(expected.width), control, film)
+        self.run((job, &Estimator::Path), &self.image(expected.width), control, film)
     }
 
     fn path_probes(
@@ -285,7 +297,21 @@ impl Session for WgpuSession {
         let expected = backend::probe_film_settings(&self.scene, job, probes.len());
         self.check_paths(job)?;
         same_film(film, &expected)?;
-        self.run((job, None), &self.probes(probes)?, control, film)
+        self.run((job, &Estimator::Path), &self.probes(probes)?, control, film)
+    }
+
+    fn airlight_image(
+        &self,
+        job: &PathJob,
+        single: SingleScatter,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let estimator = self.airlight(job, single)?;
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.check_paths(job)?;
+        same_film(film, &expected)?;
+        self.run((job, &estimator), &self.image(expected.width), control, film)
     }
 
     fn bidirectional_image(
@@ -297,8 +323,8 @@ impl Session for WgpuSession {
         let expected = backend::image_film_settings(&self.scene, &job.path)?;
         self.check_paths(&job.path)?;
         same_film(film, &expected)?;
-        let ends = self.both_ends(job);
-        self.run((&job.path, Some(&ends)), &self.image(expected.width), control, film)
+        let estimator = self.both_ends(job);
+        self.run((&job.path, &estimator), &self.image(expected.width), control, film)
     }
 
     fn bidirectional_probes(
@@ -311,8 +337,8 @@ impl Session for WgpuSession {
         let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
         self.check_paths(&job.path)?;
         same_film(film, &expected)?;
-        let ends = self.both_ends(job);
-        self.run((&job.path, Some(&ends)), &self.probes(probes)?, control, film)
+        let estimator = self.both_ends(job);
+        self.run((&job.path, &estimator), &self.probes(probes)?, control, film)
     }
 
     fn direct_irradiance(

@@ -1,9 +1,9 @@
 //! Paths on the device: waves of slots, small submissions, and block means that the host adds up as the CPU does.
 
-use super::bidirectional::{self, BothEnds, Plan, Room};
+use super::bidirectional::{self, Plan, Room};
 use super::scene::SceneBuffers;
 use super::task::{Pace, Step, Task, WORKGROUP, is_played};
-use super::wave::{Behind, Form, PathStart, Wave};
+use super::wave::{self, Behind, Estimator, Form, PathStart, Wave};
 use crate::gpu::{Buffer, Gpu, Pending};
 use etendue_core::backend::{BackendError, JobStats, PathJob};
 use etendue_core::film::Film;
@@ -14,9 +14,9 @@ use std::time::Instant;
 
 /// Words that the host reads of each: what was measured, and rays.
 const READ: u64 = 4;
-/// Words that shaders ask of a job, and of one of samples from both ends.
+/// Words that shaders ask of a job, and those behind them that not all estimators have.
 const JOB_WORDS: usize = 16;
-const ALL_WORDS: usize = JOB_WORDS + bidirectional::JOB_WORDS;
+const MORE_WORDS: usize = bidirectional::JOB_WORDS;
 /// Words before the lists of a queue.
 const QUEUE_HEAD: u64 = 4;
 /// Slots of a wave on a device of its own, and on one that the processor plays; and of one with samples from both ends.
@@ -44,7 +44,7 @@ struct Part {
     samples: u32,
 }
 
-/// A job of paths, in steps that never wait: for hosts with a frame loop. [`super::WgpuSession`] makes them.
+/// A job of paths, or of samples from both ends, in steps that never wait: for hosts with a frame loop. [`super::WgpuSession`] makes them.
 #[derive(Debug)]
 pub struct PathTask {
     gpu: Arc<Gpu>,
@@ -55,6 +55,8 @@ pub struct PathTask {
     probes: u32,
     once: bool,
     wave: Wave,
+    /// What the estimator asks of a job beside what all do.
+    more: [u32; MORE_WORDS],
     /// Of samples from both ends.
     room: Option<Room>,
     slots: u64,
@@ -82,23 +84,22 @@ impl PathTask {
         gpu: &Arc<Gpu>,
         scene: &CompiledScene,
         buffers: &SceneBuffers,
-        (job, ends): (&PathJob, Option<&BothEnds>),
+        (job, estimator): (&PathJob, &Estimator),
         start: PathStart,
         film: Film,
     ) -> Result<Self, BackendError> {
-        match ends {
-            Some(ends) => {
-                let plan = Plan::new(scene, ends, job.max_depth);
-                let form = plan.form.clone();
-                let behind = Behind { words: form.probe_words(&start), ..Behind::default() };
-                Self::make(gpu, (scene, buffers), job, (form, start, behind), Some(plan), film)
+        let mut asked = [0; MORE_WORDS];
+        let mut plan = None;
+        let form = match estimator {
+            Estimator::Path => Form::paths(scene),
+            Estimator::Airlight(single) => {
+                asked[..2].copy_from_slice(&wave::airlight_words(*single));
+                Form::airlight(scene)
             }
-            None => {
-                let form = Form::paths(scene);
-                let behind = Behind { words: form.probe_words(&start), ..Behind::default() };
-                Self::with(gpu, scene, buffers, job, (form, start, behind), film)
-            }
-        }
+            Estimator::BothEnds(ends) => plan.insert(Plan::new(scene, ends, job.max_depth)).form.clone(),
+        };
+        let behind = Behind { words: form.probe_words(&start), ..Behind::default() };
+        Self::make(gpu, (scene, buffers), job, (form, start, behind), (plan, asked), film)
     }
 
     /// Paths of any form.
@@ -110,7 +111,7 @@ impl PathTask {
         form: (Form, PathStart, Behind),
         film: Film,
     ) -> Result<Self, BackendError> {
-        Self::make(gpu, (scene, buffers), job, form, None, film)
+        Self::make(gpu, (scene, buffers), job, form, (None, [0; MORE_WORDS]), film)
     }
 
     fn make(
@@ -118,7 +119,7 @@ impl PathTask {
         (scene, buffers): (&CompiledScene, &SceneBuffers),
         job: &PathJob,
         (form, start, behind): (Form, PathStart, Behind),
-        plan: Option<Plan>,
+        (plan, asked): (Option<Plan>, [u32; MORE_WORDS]),
         film: Film,
     ) -> Result<Self, BackendError> {
         let elements = film.len() as u64;
@@ -134,6 +135,7 @@ impl PathTask {
         let room = plan.map(|plan| {
             plan.room(scene, (job, film.settings()), (slots, is_image), (behind_probes, behind_lists))
         });
+        let asked = room.as_ref().map_or(asked, |room| room.words);
         let (state_words, queue_words) =
             room.as_ref().map_or((behind_probes, behind_lists), |room| (room.states, room.queue));
         let g = gpu.clone();
@@ -159,7 +161,7 @@ impl PathTask {
                 gpu.submit(encoder);
             }
             let groups = gpu.room("groups", 4)?;
-            let uniform = gpu.uniform("job", &[0; ALL_WORDS]);
+            let uniform = gpu.uniform("job", &[0; JOB_WORDS + MORE_WORDS]);
             // The pipelines have one layout in content; each its own object.
             let group = gpu.bind(&wave.start, &buffers.bound(&uniform, [&states, &queue]));
             let turn_group = gpu.bind(&wave.turn, &[&queue, &groups]);
@@ -171,6 +173,7 @@ impl PathTask {
                 probes: behind.probes as u32,
                 once,
                 wave,
+                more: asked,
                 room,
                 slots,
                 uniform,
@@ -294,8 +297,7 @@ impl PathTask {
             c,
             0,
         ];
-        let more = self.room.as_ref().map_or([0; bidirectional::JOB_WORDS], |room| room.words);
-        self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&[own, more]));
+        self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&[own, self.more]));
         self.gpu.queue.write_buffer(&self.queue.raw, 0, bytemuck::cast_slice(&[0_u32; 4]));
         let mut encoder = self.gpu.encoder();
         for (at, words) in self.sums(self.blocks_begun(part)) {

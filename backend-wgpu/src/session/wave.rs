@@ -1,5 +1,6 @@
 //! The shaders of a wave, and what the words of its states and probes are.
 
+use super::bidirectional::BothEnds;
 use super::elements::ElementBuffers;
 use super::features;
 use super::scene::OFFSETS;
@@ -10,6 +11,7 @@ use etendue_core::backend::BackendError;
 use etendue_core::medium::Inside;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::ProbeStart;
+use etendue_core::transport::volume::{Rule, SingleScatter};
 use std::sync::Arc;
 
 /// What the paths of a job start from.
@@ -21,6 +23,27 @@ pub(crate) enum PathStart {
         inside: Inside,
     },
     Probes(Vec<ProbeStart>),
+}
+
+/// What waves estimate.
+#[derive(Clone, Debug)]
+pub(crate) enum Estimator {
+    /// Paths from the sensor.
+    Path,
+    /// The same with summed airlight, of a camera.
+    Airlight(SingleScatter),
+    /// Samples from both ends.
+    BothEnds(BothEnds),
+}
+
+/// A rule and its nodes, as shaders have them (`transport/volume/airlight/rule.wgsl`).
+pub(super) fn airlight_words(single: SingleScatter) -> [u32; 2] {
+    let rule = match single.rule {
+        Rule::Trapezoid => 0,
+        Rule::PlainTrapezoid => 1,
+        Rule::Equiangular => 2,
+    };
+    [rule, single.nodes]
 }
 
 /// One of the tracers: surfaces alone need smaller states than media, and what reads a map others.
@@ -59,7 +82,16 @@ impl Form {
     pub(crate) fn gather(scene: &CompiledScene) -> Self {
         let mut features = features::of(scene);
         features.extend(["GATHER", "JOB_COUNTS"]);
-        Self { module: "wavefront::gather", parts: &["advance"], rows: 45, media: false, features }
+        let rows = if scene.needs.volume() { 65 } else { 45 };
+        Self { module: "wavefront::gather", parts: &["advance"], rows, media: false, features }
+    }
+
+    /// Paths through media with summed airlight.
+    pub(crate) fn airlight(scene: &CompiledScene) -> Self {
+        let mut features = features::of(scene);
+        features.push("AIRLIGHT");
+        let parts = &["advance", "airlight"];
+        Self { module: "wavefront::volume", parts, rows: 82, media: true, features }
     }
 
     /// Samples from both ends, with states of so many words.
@@ -106,15 +138,19 @@ impl Wave {
         let link = Link { root: &root, features, mutations: &[] };
         let bindings = bindings([Binding::Write, Binding::Write]);
         let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &bindings);
+        // Rays are the same for all scenes.
+        let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::slots\n");
+        let rays = Link { root: &root, features: &[], mutations: &[] };
+        let key = PipelineKey { name: format!("rays stack {stack}"), entry: "trace" };
+        let mut step = vec![gpu.pipeline(key, rays, &bindings)?];
+        for entry in form.parts {
+            step.push(pipeline(entry)?);
+        }
         let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
         let key = PipelineKey { name: "turn".into(), entry: "turn" };
         Ok(Self {
             start: pipeline("start")?,
-            step: ["trace"]
-                .iter()
-                .chain(form.parts)
-                .map(|entry| pipeline(entry))
-                .collect::<Result<_, _>>()?,
+            step,
             turn: gpu.pipeline(key, turn, &[Binding::Write, Binding::Write])?,
         })
     }

@@ -13,10 +13,11 @@ use etendue_core::illumination::FluxUnit;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::FirstShot;
 use etendue_core::transport::photon::{LightPlan, Replicate, Sequence, WALK_GROUP, WAVE};
+use etendue_core::transport::volume::LightMedia;
 use std::sync::Arc;
 use std::time::Instant;
 use tables::{JOB_WORDS, Numbers, Tables};
-use wave::{Kind, Order, ROWS, Wave};
+use wave::{Kind, Order, Wave, rows};
 
 /// Words before the lists.
 const HEAD: u64 = 16;
@@ -85,7 +86,7 @@ pub struct PhotonTask {
 impl PhotonTask {
     pub(super) fn new(
         gpu: &Arc<Gpu>,
-        scene: &CompiledScene,
+        (scene, media): (&CompiledScene, &LightMedia),
         buffers: &SceneBuffers,
         elements: Arc<ElementBuffers>,
         (job, shot): (&PhotonJob, Option<&FirstShot>),
@@ -94,7 +95,10 @@ impl PhotonTask {
     ) -> Result<Self, BackendError> {
         let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
         let surfaces = matches!(job.start, PhotonStart::Surfaces { .. });
-        let kind = Kind { sorted: job.sequence == Sequence::Sorted, surfaces };
+        // What lights send into is known of most.
+        let searches = !scene.glows.is_empty() || media.parts().0.contains(&None);
+        let follows = scene.needs.volume() && (surfaces || searches);
+        let kind = Kind { sorted: job.sequence == Sequence::Sorted, surfaces, follows };
         let wave = Wave::new(gpu, scene, buffers.stack, kind)?;
         let total = plan.total().into_iter().fold(0.0, f64::max);
         let unit = FluxUnit::new(total, job.photons);
@@ -102,7 +106,14 @@ impl PhotonTask {
         let window = SLOTS[usize::from(is_played(gpu))].min(gpu.dispatch_items(WORKGROUP));
         let wanted = if kind.sorted { u64::from(job.photons.min(WAVE)) } else { window };
         let slots = u64::from(job.photons).min(wanted).next_multiple_of(u64::from(WORKGROUP));
-        let mut tables = Tables::new(scene, &plan, &elements, (job, unit, caustics), (ROWS * slots, slots));
+        let mut tables = Tables::new(
+            (scene, media),
+            &plan,
+            &elements,
+            (job, unit, caustics),
+            shot,
+            (rows(scene) * slots, slots),
+        );
         let lists = if kind.sorted { 7 * slots + 128 } else { 3 * slots };
         tables.numbers.lists = lists as u32;
         let g = gpu.clone();
@@ -298,6 +309,11 @@ impl PhotonTask {
             Stage::Start(at) => {
                 let count = left(self.count(), at);
                 self.run(pass, &wave.start, count);
+                if self.kind.surfaces && !self.kind.sorted {
+                    // Some have landed where they started.
+                    self.turn(pass, &wave.landed);
+                    self.run_indirect(pass, &wave.scatter, 16);
+                }
                 if at + count >= self.count() {
                     self.turn(pass, &wave.turn);
                 }

@@ -5,8 +5,11 @@ use bytemuck::{Pod, Zeroable};
 use etendue_core::backend::{PhotonJob, PhotonStart};
 use etendue_core::geometry::HilbertGrid;
 use etendue_core::illumination::{Basis, FluxUnit, Sides};
+use etendue_core::light::emit;
 use etendue_core::scene::CompiledScene;
+use etendue_core::transport::first_shot::{FirstShot, FirstShotParts};
 use etendue_core::transport::photon::{LightPlan, Replicate, Sequence};
+use etendue_core::transport::volume::LightMedia;
 
 /// The numbers of a job, as `wavefront/photons/job.wgsl` has them.
 #[repr(C)]
@@ -37,6 +40,10 @@ pub(super) struct Numbers {
     pub(super) shot_at: u32,
     pub(super) pieces: u32,
     pub(super) entries: u32,
+    pub(super) media_at: u32,
+    pub(super) media_count: u32,
+    pub(super) glows_at: u32,
+    pub(super) glows: u32,
     pub(super) zero: u32,
     pub(super) pad: [u32; 3],
 }
@@ -58,17 +65,39 @@ pub(super) struct Tables {
 impl Tables {
     /// Tables behind `rows` words of `slots` states.
     pub(super) fn new(
-        scene: &CompiledScene,
+        (scene, media): (&CompiledScene, &LightMedia),
         plan: &LightPlan,
         buffers: &ElementBuffers,
         (job, unit, caustics): (&PhotonJob, FluxUnit, bool),
+        shot: Option<&FirstShot>,
         (rows, slots): (u64, u64),
     ) -> Self {
         let elements = &buffers.elements;
         let settings = elements.settings();
         let (counts, (centre, radius)) = plan.parts();
         let (low, scale) = HilbertGrid::new(&scene.bounds).parts();
-        let words = counts.to_vec();
+        let mut words = counts.to_vec();
+        let tables_at = rows + buffers.word_count;
+        let shot_at = tables_at as u32 + words.len() as u32;
+        let (pieces, entries) = shot.map_or((0, 0), |shot| {
+            let parts = shot.parts();
+            words.extend(shot_words(shot, &parts));
+            (shot.pairs() as u32, parts.entries.len() as u32)
+        });
+        let media_at = tables_at as u32 + words.len() as u32;
+        let (inside, outside) = media.parts();
+        words.extend(outside.packed());
+        for inside in inside {
+            words.push(u32::from(inside.is_some()));
+            words.extend(inside.unwrap_or_default().packed());
+        }
+        let glows_at = tables_at as u32 + words.len() as u32;
+        for (glow, index) in scene.glows.iter().zip(scene.lights.len() + 1..) {
+            words.push(u32::from(glow.medium));
+            for v in [glow.bounds.lo, glow.bounds.hi, emit::entry_flux(scene, index)] {
+                words.extend(v.to_array().map(f32::to_bits));
+            }
+        }
         let (direct, first) = match job.start {
             PhotonStart::Lights { registers_direct, survives_first } => (registers_direct, survives_first),
             PhotonStart::Surfaces { .. } => (false, false),
@@ -82,7 +111,6 @@ impl Tables {
             settings.sides == Sides::Apart,
             caustics,
         ];
-        let plan_at = (rows + buffers.word_count) as u32;
         let numbers = Numbers {
             seed: [job.seed as u32, (job.seed >> 32) as u32],
             slots: slots as u32,
@@ -94,10 +122,17 @@ impl Tables {
             elements: elements.count() as u32,
             // There is one: numbers of photons are powers of two.
             power: unit.power().unwrap_or(0),
-            plan_at,
+            plan_at: tables_at as u32,
             plan_count: counts.len() as u32,
             sphere: [centre.x, centre.y, centre.z, radius],
             grid: [low.x, low.y, low.z, scale],
+            shot_at,
+            pieces,
+            entries,
+            media_at,
+            media_count: inside.len() as u32,
+            glows_at,
+            glows: scene.glows.len() as u32,
             ..Numbers::default()
         };
         Self { elements_at: rows, element_words: buffers.word_count, words, numbers }
@@ -118,4 +153,34 @@ impl Tables {
         let (shift, bits) = replicate.even().unwrap_or((0, 0));
         self.numbers = Numbers { replicate: number, shift, bits, ..self.numbers };
     }
+}
+
+/// Words of the first shot before its tables.
+const SHOT_HEAD: usize = 10;
+
+/// The tables of a first shot, as `wavefront/photons/shot.wgsl` has them.
+fn shot_words(shot: &FirstShot, parts: &FirstShotParts<'_>) -> Vec<u32> {
+    let mut words = vec![0; SHOT_HEAD];
+    let mut at = Vec::with_capacity(SHOT_HEAD);
+    let per_watt: Vec<u32> = parts.per_watt.iter().map(|x| x.to_bits()).collect();
+    for table in [parts.ranges, parts.ranks, parts.slots, &per_watt] {
+        at.push(words.len() as u32);
+        words.extend(table);
+    }
+    at.push(words.len() as u32);
+    for piece in shot.pieces() {
+        words.extend([piece.triangle, piece.light]);
+        for [_, b1, b2] in piece.corners.map(|c| c.steps()) {
+            words.extend([b1, b2]);
+        }
+        let [a, b, c] = piece.weights;
+        words.extend([a, b, c, piece.area, piece.looks].map(f32::to_bits));
+    }
+    at.push(words.len() as u32);
+    words.extend(parts.entries.iter().flat_map(|(light, shared)| [*light, u32::from(*shared)]));
+    at.push(words.len() as u32);
+    words.extend(parts.cumulative);
+    at.extend([parts.ranks.len() as u32, parts.slots.len() as u32, u32::from(parts.exact)]);
+    words[..SHOT_HEAD].copy_from_slice(&at);
+    words
 }

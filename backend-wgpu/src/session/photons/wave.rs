@@ -9,8 +9,10 @@ use etendue_core::backend::BackendError;
 use etendue_core::scene::CompiledScene;
 use std::sync::Arc;
 
-/// Words of a state.
-pub(super) const ROWS: u64 = 18;
+/// Words of a state: more where there are media.
+pub(super) fn rows(scene: &CompiledScene) -> u64 {
+    if scene.needs.volume() { 29 } else { 18 }
+}
 
 /// How the photons of a job walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +21,8 @@ pub(super) struct Kind {
     pub(super) sorted: bool,
     /// They start on surfaces.
     pub(super) surfaces: bool,
+    /// Ways are followed before they start.
+    pub(super) follows: bool,
 }
 
 /// The pipelines of a wave.
@@ -54,6 +58,7 @@ impl Wave {
         features.push("JOB_COUNTS");
         features.extend(kind.sorted.then_some("SORTED"));
         features.extend(kind.surfaces.then_some("SURFACES"));
+        features.extend(kind.follows.then_some("FOLLOWS"));
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::photons\n");
         let name = format!("photons {} stack {stack}", features.join(" "));
         let bindings = bindings([Binding::Write, Binding::Write]);

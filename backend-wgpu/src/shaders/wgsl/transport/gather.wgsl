@@ -3,6 +3,10 @@
 //: use illumination::read
 //: use transport::back
 //: use transport::volume::vertex
+//: if VOLUME
+//: use medium
+//: use transport::volume::boundaries
+//: end
 
 // The light of a map's photon that is asked of what is without size: at first hand, and at second.
 const GATHER_LIGHTS_SEEN: u32 = 64u;
@@ -19,6 +23,8 @@ const GATHER_READ: u32 = 4u;
 // At a probe: a sample, and what is the same for all samples.
 const GATHER_PROBE: u32 = 5u;
 const GATHER_ONCE: u32 = 6u;
+// In a medium.
+const GATHER_MEDIUM: u32 = 7u;
 
 struct GatherState {
     sampler: BlockSampler,
@@ -40,7 +46,33 @@ struct GatherState {
     stage: u32,
     gathers: bool,
     seen: bool,
+    //: if VOLUME
+    way: GatherWay,
+    //: end
 }
+
+//: if VOLUME
+// The nearest hit on a way to a light.
+const QUERY_CONNECT: u32 = 3u;
+
+// What a path flies through: the media in which its ray starts and those beyond the surface that it has met, what lies before its start, what has been flown since the
+// last vertex, boundaries crossed, what names its numbers, and its channel where its colours have parted, counted from 1. Then of a way to a light: what is left of its light,
+// media, lead, what is left of the way, boundaries crossed.
+struct GatherWay {
+    inside: Inside,
+    beyond: Inside,
+    lead: f32,
+    flown: f32,
+    crossed: u32,
+    event: u32,
+    channel: u32,
+    left: vec3<f32>,
+    to_inside: Inside,
+    to_lead: f32,
+    to_length: f32,
+    to_crossed: u32,
+}
+//: end
 
 // Lights by list: their numbers, and the counts by which one is picked.
 struct GatherChoice { lights: u32, count: u32, counts: u32 }
@@ -124,9 +156,9 @@ fn gather_diffuse_share(surface: Surface) -> f32 {
 }
 
 // The next light of a vertex that may bring something: whether a ray to it is asked.
-fn gather_ask_lights(state: ptr<function, GatherState>, surface: Surface, gather: GatherJob) -> bool {
+fn gather_ask_lights(state: ptr<function, GatherState>, vertex: Vertex, gather: GatherJob) -> bool {
     let kind = (*state).kind;
-    let vertex = vertex_on(surface, vec3(0u));
+    let surface = vertex.surface;
     var points = min(gather.point_like.count, gather_most(*state));
     if kind == GATHER_PROBE || kind == GATHER_MIRROR { points = 0u; }
     var ends = points + 1u;
@@ -157,7 +189,7 @@ fn gather_ask_lights(state: ptr<function, GatherState>, surface: Surface, gather
         let density = s.pdf * gather.surface_share;
         var brings = vec3(0.0f);
         if s.found && picked.found {
-            if kind == GATHER_LOBES {
+            if kind == GATHER_LOBES || kind == GATHER_MEDIUM {
                 let value = vertex_scattering(vertex, s.wi);
                 var weight = 1.0f;
                 if of_surface && density > 0.0f { weight = mis_power_heuristic(density, value.pdf); }
@@ -177,8 +209,18 @@ fn gather_ask_lights(state: ptr<function, GatherState>, surface: Surface, gather
         }
         if !math_is_zero3(brings) {
             (*state).pending = brings;
+            //: if VOLUME
+            (*state).ray = vertex_towards(vertex, s);
+            (*state).query = QUERY_CONNECT;
+            (*state).way.left = vec3(1.0f);
+            (*state).way.to_inside = vertex_media(vertex, (*state).way.inside, s.wi);
+            (*state).way.to_lead = vertex_lead(vertex, (*state).ray.origin, (*state).ray.direction);
+            (*state).way.to_length = vertex_distance(vertex, s);
+            (*state).way.to_crossed = 0u;
+            //: else
             (*state).ray = light_shadow_ray(s, surface.point, surface.geometric);
             (*state).query = QUERY_SHADOW;
+            //: end
             asks = true;
         }
     }
@@ -188,9 +230,16 @@ fn gather_ask_lights(state: ptr<function, GatherState>, surface: Surface, gather
 // The direction in which a path leaves a vertex, what its throughput is multiplied by, and its density.
 struct GatherGoes { found: bool, wi: vec3<f32>, weight: vec3<f32>, pdf: f32, squared: f32, diffuse: bool }
 
-fn gather_direction(kind: u32, surface: Surface, u: vec3<f32>) -> GatherGoes {
+fn gather_direction(kind: u32, vertex: Vertex, u: vec3<f32>) -> GatherGoes {
+    let surface = vertex.surface;
     var goes = GatherGoes(false, vec3(0.0f), vec3(0.0f), 0.0f, 1.0f, false);
     if kind == GATHER_ONCE { return goes; }
+    //: if VOLUME
+    if kind == GATHER_MEDIUM {
+        let wi = phase_sample(vertex.g, surface.wo, u.xy);
+        return GatherGoes(true, wi, vec3(1.0f), phase_eval(vertex.g, surface.wo, wi), 1.0f, false);
+    }
+    //: end
     //: if LOBES
     if kind == GATHER_MIRROR || kind == GATHER_LOBES {
         let place = select(u, vec3(0.0f), kind == GATHER_MIRROR);
@@ -203,7 +252,10 @@ fn gather_direction(kind: u32, surface: Surface, u: vec3<f32>) -> GatherGoes {
             //: if SHADING
             goes.found = s.found && vertex_goes(surface, s.wi);
             //: end
-            goes.squared = vertex_index_ratio_squared(vertex_on(surface, vec3(0u)), s.wi);
+            //: if VOLUME
+            goes.found = s.found && vertex_goes(surface, s.wi);
+            //: end
+            goes.squared = vertex_index_ratio_squared(vertex, s.wi);
             return goes;
         }
     } else {
@@ -230,6 +282,9 @@ fn gather_direction(kind: u32, surface: Surface, u: vec3<f32>) -> GatherGoes {
     //: if SHADING
     goes.found = goes.found && !(math_dot(goes.wi, surface.geometric) <= 0.0f);
     //: end
+    //: if VOLUME
+    goes.found = goes.found && !(math_dot(goes.wi, surface.geometric) <= 0.0f);
+    //: end
     return goes;
 }
 
@@ -240,12 +295,13 @@ fn gather_diffuse(surface: Surface, u: vec2<f32>, share: f32) -> GatherGoes {
 }
 
 // All lights of a vertex have been asked: on along a direction.
-fn gather_follow(state: ptr<function, GatherState>, surface: Surface) {
+fn gather_follow(state: ptr<function, GatherState>, vertex: Vertex) {
     (*state).query = QUERY_DONE;
     let depth = (*state).depth;
     let u = sobol_group4((*state).sampler, 2u + 2u * depth);
-    let goes = gather_direction((*state).kind, surface, u.xyz);
-    if goes.diffuse {
+    let goes = gather_direction((*state).kind, vertex, u.xyz);
+    // What lies behind a medium is seen at second hand, too.
+    if goes.diffuse || (*state).kind == GATHER_MEDIUM {
         (*state).gathers = false;
         (*state).seen = false;
     }
@@ -254,11 +310,26 @@ fn gather_follow(state: ptr<function, GatherState>, surface: Surface) {
     if !played.survives { return; }
     (*state).throughput = played.throughput / goes.squared;
     (*state).pdf = goes.pdf;
-    (*state).vertex = geometry_offset_origin(surface.point, surface.geometric, goes.wi);
+    (*state).vertex = vertex_leave(vertex, goes.wi);
     (*state).ray = Ray((*state).vertex, goes.wi, MAX_FLOAT);
     (*state).depth = depth + 1u;
     (*state).query = QUERY_CLOSEST;
+    //: if VOLUME
+    var inside = (*state).way.inside;
+    if (*state).kind == GATHER_LOBES { inside = vertex_media(vertex, inside, goes.wi); }
+    gather_leave(state, inside, vertex_lead(vertex, (*state).vertex, goes.wi));
+    //: end
 }
+
+//: if VOLUME
+// The path leaves a vertex into these media.
+fn gather_leave(state: ptr<function, GatherState>, inside: Inside, lead: f32) {
+    (*state).way.inside = inside;
+    (*state).way.lead = lead;
+    (*state).way.flown = 0.0f;
+    (*state).way.crossed = 0u;
+}
+//: end
 
 // What is done at a surface that was met, and what the map says there.
 fn gather_arrive(state: ptr<function, GatherState>, surface: Surface, gather: GatherJob) {

@@ -4,6 +4,9 @@
 //: use illumination::sums
 //: use sampling::sobol
 //: use tree::walk
+//: if VOLUME
+//: use transport::volume::lights
+//: end
 
 struct DirectJob {
     seed: vec2<u32>,
@@ -58,26 +61,56 @@ fn direct_arrive(primitive: u32, at: DirectPoint, from_front: bool, flux: vec3<f
     sums_deposit(deposit, SUMS_HEAD, job.elements, flux, job.power);
 }
 
-// What a light brings to a place; whether that took a ray.
-fn direct_place(place: u32, light_number: u32) -> bool {
+//: if VOLUME
+// Null boundaries, panes and smooth dielectrics hold no flux.
+fn direct_is_passage(primitive: u32) -> bool {
+    let flags = surface_flags(primitive);
+    return boundaries_passes(primitive) || (flags & (MATERIAL_DIELECTRIC | MATERIAL_ROUGH)) == MATERIAL_DIELECTRIC;
+}
+
+// Behind the numbers of lights: what is outside, then what each of them sends into.
+fn direct_media(i: u32) -> Inside {
+    let at = job.lights + job.light_count + 3u * i;
+    return vec3(element_word(at), element_word(at + 1u), element_word(at + 2u));
+}
+//: end
+
+// What a light brings to a place; the rays that took.
+fn direct_place(place: u32, light_number: u32) -> u32 {
     let sample = job.first_sample + place;
     let number = job.first_cell + sample / job.samples;
     let primitive = direct_primitive(number);
+    //: if VOLUME
+    if direct_is_passage(primitive) { return 0u; }
+    //: end
     let cell = number - element_word(ELEMENT_PLACE_WORDS * primitive + 2u);
     let sampler = sobol_block_sampler(job.seed, primitive, job.block, sample % job.samples);
     let at = irradiance_point_on(primitive, cell, sobol_group2(sampler, cell));
-    if !at.found { return false; }
+    if !at.found { return 0u; }
     let light = scene_at.lights + LIGHT_WORDS * element_word(job.lights + light_number);
     let direct = irradiance_from_light(light, at.point, at.normal);
-    if !direct.found { return false; }
-    if !tree_occluded(direct.ray) {
+    if !direct.found { return 0u; }
+    //: if VOLUME
+    let inside = direct_media(1u + light_number);
+    let outside = direct_media(0u);
+    let place_ = at.point.position;
+    let followed = lights_follow(LIGHTS_BACK, direct.ray, inside, outside, place_, at.normal, false);
+    let rays = followed.rays;
+    let arrives = !math_is_zero3(followed.left);
+    let irradiance = direct.irradiance * followed.left;
+    //: else
+    let rays = 1u;
+    let arrives = !tree_occluded(direct.ray);
+    let irradiance = direct.irradiance;
+    //: end
+    if arrives {
         let divisions = elements_divisions(primitive);
         let area = bitcast<f32>(element_word(ELEMENT_PLACE_WORDS * primitive + 3u))
             / (f32(divisions * divisions) * f32(job.samples));
         let from_front = math_dot(emit_toward(light, at.point.position), at.normal) >= 0.0f;
-        direct_arrive(primitive, at, from_front, direct.irradiance * area);
+        direct_arrive(primitive, at, from_front, irradiance * area);
     }
-    return true;
+    return rays;
 }
 
 // Lights are along y, and along z where there are very many.
@@ -92,7 +125,7 @@ fn direct(
     //: end
     let light = id.z * groups.y + id.y;
     if id.x < job.count && light < job.light_count {
-        if direct_place(id.x, light) { atomicAdd(&rays_of_group, 1u); }
+        atomicAdd(&rays_of_group, direct_place(id.x, light));
     }
     workgroupBarrier();
     if local == 0u { sums_add(0u, vec2(atomicLoad(&rays_of_group), 0u)); }

@@ -22,6 +22,11 @@ struct PathJob {
     camera_inside2: u32,
     // For `math_opaque`.
     zero: u32,
+    //: if AIRLIGHT
+    // Where nodes lie, and how many there are of a segment and light.
+    rule: u32,
+    nodes: u32,
+    //: end
     //: if BIDIRECTIONAL
     // The scene's bounding sphere: its centre, and its radius.
     sphere: vec4<f32>,

@@ -10,6 +10,9 @@
 //: if SORTED
 //: use transport::photon::replicate
 //: end
+//: if VOLUME
+//: use wavefront::photons::begin
+//: end
 
 var<workgroup> hits_of_group: atomic<u32>;
 
@@ -18,19 +21,46 @@ fn wave_pick(index: u32, numbers: Numbers) -> u32 {
     return discrete_even_word(index, job.shift, job.bits);
 }
 
-fn wave_sphere() -> vec4<f32> { return vec4(job.sphere_x, job.sphere_y, job.sphere_z, job.sphere_radius); }
-
+//: if not SURFACES
 // A photon from a light that the word `pick` chooses.
-fn wave_from_light(pick: u32, u: vec4<f32>) -> Photon {
+fn wave_from_light(pick: u32, u: vec4<f32>) -> PhotonBegins {
+    var begins: PhotonBegins;
     counts_at = COUNTS_OF_JOB + job.plan_at;
     let entry = discrete_pick_in(job.plan_count, pick);
     let emitted = photon_emit_entry(entry.index, wave_sphere(), u);
-    var photon = photon_new(emitted.emission.ray, emitted.emission.flux / entry.pmf);
-    photon.registers_first = photons_has(PHOTONS_REGISTER_DIRECT) || !emitted.point_like;
-    photon.caustic = emitted.point_like;
-    photon.survives_first = photons_has(PHOTONS_SURVIVE_FIRST);
-    return photon;
+    begins.found = true;
+    begins.entry = entry.index;
+    begins.photon = photon_new(emitted.emission.ray, emitted.emission.flux / entry.pmf);
+    begins.photon.registers_first = photons_has(PHOTONS_REGISTER_DIRECT) || !emitted.point_like;
+    begins.photon.caustic = emitted.point_like;
+    begins.photon.survives_first = photons_has(PHOTONS_SURVIVE_FIRST);
+    return begins;
 }
+//: end
+
+//: if not VOLUME
+// The first step of a photon.
+fn wave_begin(slot: u32, begins: PhotonBegins) {
+    var photon = begins.photon;
+    var hit = begins.hit;
+    wave_put(slot, ROW_QUERY, PHOTON_OVER);
+    if !begins.found { return; }
+    let asks = begins.lands && begins.looks;
+    if asks {
+        // While it asks, the light's number and the chance stand where they are not needed yet.
+        hit.t = begins.chance;
+        photon.light = begins.entry;
+        photon.ray = begins.look;
+    }
+    wave_put_hit(slot, hit);
+    wave_put_photon(slot, photon);
+    if begins.lands && !asks {
+        if !math_is_zero3(photon.flux) { wave_lands(slot); }
+    } else {
+        wave_ask(slot, select(PHOTON_CLOSEST, PHOTON_SHADOW, asks));
+    }
+}
+//: end
 
 @compute @workgroup_size(64)
 fn start(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -46,21 +76,11 @@ fn start(@builtin(global_invocation_id) id: vec3<u32>) {
     let numbers = wave_numbers(index);
     let u = numbers_group4(numbers, PHOTON_START_GROUP);
     //: if SURFACES
-    shot_start(slot, wave_pick(index, numbers), u);
+    wave_begin(slot, shot_begin(wave_pick(index, numbers), u));
     //: else
     var pick = 0u;
     if photons_has(PHOTONS_CHOICE) { pick = wave_pick(index, numbers); }
-    wave_put_photon(slot, wave_from_light(pick, u));
-    wave_ask(slot, PHOTON_CLOSEST);
-    //: end
-}
-
-// The photon of a slot has landed.
-fn wave_lands(slot: u32) {
-    wave_put(slot, ROW_QUERY, PHOTON_LANDED);
-    //: if not SORTED
-    let place = atomicAdd(&sums[HEAD_LANDED], 1u);
-    atomicStore(&sums[list_at(LIST_LANDED) + place], slot);
+    wave_begin(slot, wave_from_light(pick, u));
     //: end
 }
 
@@ -68,16 +88,30 @@ fn wave_lands(slot: u32) {
 fn arrive(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = wave_slot(id.x);
     if slot == job.slots { return; }
+    //: if VOLUME
+    var photon = wave_photon(slot);
+    var hit = wave_hit(slot);
+    let random = numbers_with_index(numbers_random(job.seed, job.replicate), job.first + slot);
+    let came = photon_arrive(&photon, &hit, random, job.max_hits);
+    wave_put_photon(slot, photon);
+    wave_put_hit(slot, hit);
+    wave_put(slot, ROW_QUERY, PHOTON_OVER);
+    if came == PHOTON_GOES { wave_ask(slot, PHOTON_CLOSEST); }
+    let lands = came == PHOTON_LANDS;
+    //: else
     //: if SURFACES
     if wave_get(slot, ROW_QUERY) != PHOTON_CLOSEST {
         if shot_looked(slot) { wave_lands(slot); }
         return;
     }
-    if wave_get(slot, ROW_LIGHT) != NO_INDEX { shot_weigh(slot); }
     //: end
-    if wave_get(slot, ROW_HIT + 1u) == TREE_NOTHING {
-        wave_put(slot, ROW_QUERY, PHOTON_OVER);
-    } else {
+    wave_put(slot, ROW_QUERY, PHOTON_OVER);
+    let lands = wave_get(slot, ROW_HIT + 1u) != TREE_NOTHING;
+    //: end
+    if lands {
+        //: if SURFACES
+        if wave_get(slot, ROW_LIGHT) != NO_INDEX { shot_weigh(slot); }
+        //: end
         wave_lands(slot);
     }
 }

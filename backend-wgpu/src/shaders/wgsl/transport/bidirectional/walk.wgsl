@@ -159,8 +159,7 @@ fn path_walk_scatter(slot: u32, walk: ptr<function, PathWalk>, vertex: WalkVerte
 
 const STEP_ON: u32 = 0u;
 const STEP_OVER: u32 = 1u;
-const STEP_AWAY: u32 = 2u;
-const STEP_AT: u32 = 3u;
+const STEP_AT: u32 = 2u;
 
 // What the sensor's walk sees by itself: radiance, with what its weight needs to know.
 struct Seen { radiance: vec3<f32>, end: End }

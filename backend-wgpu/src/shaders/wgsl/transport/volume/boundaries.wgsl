@@ -55,30 +55,27 @@ fn boundaries_enters(ray: PreparedRay, node: u32) -> f32 {
     return geometry_slab_entry(ray, scene_triple(at), scene_triple(at + 4u), 1.0f);
 }
 
-// A boundary that a ray crosses.
-struct Crossed { primitive: u32, media: u32, from_front: bool }
-
-// All that a ray meets within the step that it takes off a surface: what is met, a surface before a film and a film before a boundary, and
-// how many boundaries are crossed.
-struct Here { met: Hit, count: u32 }
+// All that a ray meets within the step that it takes off a surface: what is met, and primitive and media of each crossing, with bits of those that
+// were met from the front.
+struct Here { met: Hit, crossed: array<vec2<u32>, TOGETHER_MAX>, fronts: u32, count: u32 }
 
 // At a hit; what lies with it is looked for where `together`, in the order of core's tree.
-fn boundaries_here(
-    ray: Ray, hit: Hit, together: bool, crossed: ptr<function, array<Crossed, TOGETHER_MAX>>,
-) -> Here {
-    var out = Here(hit, 0u);
+fn boundaries_here(ray: Ray, hit: Hit, together: bool) -> Here {
+    var here: Here;
+    here.met = hit;
     let first = surface_place(ray, hit);
-    if !first.found { return out; }
-    (*crossed)[0] = Crossed(hit.primitive, boundaries_media(hit.primitive), first.from_front);
-    out.count = 1u;
-    if !together || scene_at.crossing_count == 0u { return out; }
+    if !first.found { return here; }
+    here.crossed[0] = vec2(hit.primitive, boundaries_media(hit.primitive));
+    here.fronts = select(0u, 1u, first.from_front);
+    here.count = 1u;
+    if !together || scene_at.crossing_count == 0u { return here; }
     let near = geometry_offset_origin(first.point, first.geometric, -ray.direction);
     let far = geometry_offset_origin(first.point, first.geometric, ray.direction);
     let gap = geometry_prepare(Ray(near, far - near, 1.0f));
     var stack: array<u32, CROSSINGS_STACK>;
     var waiting = 0u;
     var node = 0u;
-    if boundaries_enters(gap, 0u) < 0.0f { return out; }
+    if boundaries_enters(gap, 0u) < 0.0f { return here; }
     loop {
         let at = scene_at.crossings + CROSSING_NODE_WORDS * node;
         let begin = scene_word(at + 3u);
@@ -100,45 +97,46 @@ fn boundaries_here(
         for (var i = 0u; i < leaf; i++) {
             let id = scene_word(scene_at.crossing_order + begin + i);
             let met = boundaries_intersect(gap, id, 1.0f);
-            if met.primitive == TREE_NOTHING || id == hit.primitive || out.count >= TOGETHER_MAX { continue; }
+            if met.primitive == TREE_NOTHING || id == hit.primitive || here.count >= TOGETHER_MAX { continue; }
             let other = Hit(hit.t, id, met.b1, met.b2);
-            if boundaries_rank(id) > boundaries_rank(out.met.primitive) { out.met = other; }
+            if boundaries_rank(id) > boundaries_rank(here.met.primitive) { here.met = other; }
             let place = surface_place(ray, other);
             if !place.found { continue; }
             // Neighbours at an edge of one boundary are one crossing.
             let its_media = boundaries_media(id);
             var same = false;
-            for (var k = 0u; k < out.count; k++) {
-                let c = (*crossed)[k];
-                if c.media == its_media && c.from_front == place.from_front
-                    && boundaries_share_a_corner(c.primitive, id) {
+            for (var k = 0u; k < here.count; k++) {
+                let c = here.crossed[k];
+                let front = ((here.fronts >> k) & 1u) != 0u;
+                if c.y == its_media && front == place.from_front && boundaries_share_a_corner(c.x, id) {
                     same = true;
                     break;
                 }
             }
             if same { continue; }
-            (*crossed)[out.count] = Crossed(id, its_media, place.from_front);
-            out.count += 1u;
+            here.crossed[here.count] = vec2(id, its_media);
+            here.fronts |= select(0u, 1u, place.from_front) << here.count;
+            here.count += 1u;
         }
         if waiting == 0u { break; }
         waiting -= 1u;
         node = stack[waiting];
     }
-    return out;
+    return here;
 }
 
 // What is met, and the media beyond it.
 struct Resolved { hit: Hit, inside: Inside }
 
-// What a straight way goes through at a hit: all that lies within the step that a ray takes off a surface.
+// What a straight way goes through at a hit.
 fn boundaries_resolve(ray: Ray, hit: Hit, inside: Inside) -> Resolved {
+    var out = Resolved(hit, inside);
     let passes = boundaries_passes(hit.primitive);
-    if boundaries_media(hit.primitive) == 0u && !passes { return Resolved(hit, inside); }
-    var crossed: array<Crossed, TOGETHER_MAX>;
-    let here = boundaries_here(ray, hit, passes, &crossed);
-    var beyond = inside;
+    if boundaries_media(hit.primitive) == 0u && !passes { return out; }
+    let here = boundaries_here(ray, hit, passes);
+    out.hit = here.met;
     for (var k = 0u; k < here.count; k++) {
-        beyond = inside_across(beyond, crossed[k].media, crossed[k].from_front);
+        out.inside = inside_across(out.inside, here.crossed[k].y, ((here.fronts >> k) & 1u) != 0u);
     }
-    return Resolved(here.met, beyond);
+    return out;
 }

@@ -28,13 +28,13 @@ fn search(@builtin(global_invocation_id) id: vec3<u32>) {
     if hit.primitive != TREE_NOTHING && crossed < CROSSINGS_MAX {
         let surface = surface_place(ray, hit);
         if surface.found {
-            var together: array<Crossed, TOGETHER_MAX>;
-            let here = boundaries_here(ray, hit, true, &together);
+            var here = boundaries_here(ray, hit, true);
             for (var k = 0u; k < here.count; k++) {
-                if found < SEARCH_MAX && together[k].media != 0u {
+                let media = here.crossed[k].y;
+                if found < SEARCH_MAX && media != 0u {
                     // Its halves as they are crossed on the way back.
-                    let media = together[k].media;
-                    let turned = select(media, (media << 16u) | (media >> 16u), together[k].from_front);
+                    let from_front = ((here.fronts >> k) & 1u) != 0u;
+                    let turned = select(media, (media << 16u) | (media >> 16u), from_front);
                     states[search_word(slot, found)] = turned;
                     found += 1u;
                 }

@@ -42,6 +42,11 @@ struct PhotonJob {
     shot_at: u32,
     pieces: u32,
     entries: u32,
+    // Where the media of lights and what glows are, and how many of each.
+    media_at: u32,
+    media_count: u32,
+    glows_at: u32,
+    glows: u32,
     // For `math_opaque`.
     zero: u32,
 }
@@ -64,6 +69,7 @@ const PHOTONS_EXACT: u32 = 128u;
 // The lengths of two lists of those that ask, which take turns, and which of them is read; how many have landed; rays and hits in two words.
 const HEAD_TURN: u32 = 2u;
 const HEAD_LANDED: u32 = 3u;
+const HEAD_RAYS: u32 = 4u;
 const HEAD_HITS: u32 = 6u;
 // How many are in order, in which of two lists, the pass of their sort, and how many there will be.
 const HEAD_ORDERED: u32 = 8u;
@@ -85,6 +91,14 @@ const ROW_QUERY: u32 = 14u;
 const ROW_HITS: u32 = 15u;
 const ROW_FLAGS: u32 = 16u;
 const ROW_LIGHT: u32 = 17u;
+// Where there are media.
+const ROW_INSIDE: u32 = 18u;
+const ROW_BEYOND: u32 = 21u;
+const ROW_LEAD: u32 = 24u;
+const ROW_EVENT: u32 = 25u;
+const ROW_CHANCE: u32 = 26u;
+const ROW_CHANNEL: u32 = 27u;
+const ROW_CROSSED: u32 = 28u;
 
 // What a photon waits for, or what it has come to.
 const PHOTON_OVER: u32 = 0u;

@@ -2,6 +2,9 @@
 //: use transport::photon
 //: use tree::walk
 //: use wavefront::photons::job
+//: if VOLUME
+//: use transport::photon::through
+//: end
 
 fn element_word(i: u32) -> u32 { return states[job.elements_at + i]; }
 
@@ -31,6 +34,18 @@ fn wave_put_hit(slot: u32, hit: Hit) {
     wave_put_float(slot, ROW_HIT + 3u, hit.b2);
 }
 
+//: if VOLUME
+fn wave_inside(slot: u32, row: u32) -> Inside {
+    return vec3(wave_get(slot, row), wave_get(slot, row + 1u), wave_get(slot, row + 2u));
+}
+
+fn wave_put_inside(slot: u32, row: u32, inside: Inside) {
+    wave_put(slot, row, inside.x);
+    wave_put(slot, row + 1u, inside.y);
+    wave_put(slot, row + 2u, inside.z);
+}
+//: end
+
 fn wave_photon(slot: u32) -> Photon {
     let flags = wave_get(slot, ROW_FLAGS);
     return Photon(
@@ -41,6 +56,17 @@ fn wave_photon(slot: u32) -> Photon {
         (flags & 1u) != 0u,
         (flags & 2u) != 0u,
         (flags & 4u) != 0u,
+        //: if VOLUME
+        PhotonWay(
+            wave_inside(slot, ROW_INSIDE),
+            wave_inside(slot, ROW_BEYOND),
+            wave_float(slot, ROW_LEAD),
+            wave_get(slot, ROW_EVENT),
+            wave_float(slot, ROW_CHANCE),
+            wave_get(slot, ROW_CHANNEL),
+            wave_get(slot, ROW_CROSSED),
+        ),
+        //: end
     );
 }
 
@@ -51,11 +77,58 @@ fn wave_put_photon(slot: u32, photon: Photon) {
     wave_put(slot, ROW_LIGHT, photon.light);
     let caustic = select(0u, 2u, photon.caustic);
     wave_put(slot, ROW_FLAGS, u32(photon.registers_first) | caustic | select(0u, 4u, photon.survives_first));
+    //: if VOLUME
+    wave_put_inside(slot, ROW_INSIDE, photon.way.inside);
+    wave_put_inside(slot, ROW_BEYOND, photon.way.beyond);
+    wave_put_float(slot, ROW_LEAD, photon.way.lead);
+    wave_put(slot, ROW_EVENT, photon.way.event);
+    wave_put_float(slot, ROW_CHANCE, photon.way.chance);
+    wave_put(slot, ROW_CHANNEL, photon.way.channel);
+    wave_put(slot, ROW_CROSSED, photon.way.crossed);
+    //: end
 }
 
 fn wave_numbers(index: u32) -> Numbers {
     if photons_has(PHOTONS_RANDOM) { return numbers_with_index(numbers_random(job.seed, job.replicate), index); }
     return numbers_with_index(numbers_sobol(job.seed, job.replicate), index);
+}
+
+fn wave_sphere() -> vec4<f32> { return vec4(job.sphere_x, job.sphere_y, job.sphere_z, job.sphere_radius); }
+
+// How a photon begins: it flies from entry `entry` of what emits, or has landed straight from that light. Where it `looks`, its flux is multiplied by what
+// the way along `look` leaves of the light.
+struct PhotonBegins {
+    found: bool,
+    lands: bool,
+    looks: bool,
+    photon: Photon,
+    entry: u32,
+    hit: Hit,
+    look: Ray,
+    chance: f32,
+    // Densities of starts there, and of photons straight from the light; both 0 where starts are not weighted exactly.
+    densities: vec2<f32>,
+    colour: vec3<f32>,
+}
+
+//: if VOLUME
+// A photon in the box of a medium that emits.
+fn photon_glow(index: u32, u: vec4<f32>) -> Emission {
+    let at = job.glows_at + 10u * index;
+    let low = vec3(job_float(at + 1u), job_float(at + 2u), job_float(at + 3u));
+    let high = vec3(job_float(at + 4u), job_float(at + 5u), job_float(at + 6u));
+    let flux = vec3(job_float(at + 7u), job_float(at + 8u), job_float(at + 9u));
+    return Emission(Ray(low + (high - low) * u.xyz, vec3(0.0f), MAX_FLOAT), flux);
+}
+//: end
+
+// The photon of a slot has landed.
+fn wave_lands(slot: u32) {
+    wave_put(slot, ROW_QUERY, PHOTON_LANDED);
+    //: if not SORTED
+    let place = atomicAdd(&sums[HEAD_LANDED], 1u);
+    atomicStore(&sums[list_at(LIST_LANDED) + place], slot);
+    //: end
 }
 
 @compute @workgroup_size(64)
