@@ -12,7 +12,7 @@ use etendue_core::backend::{BackendError, Control, FormFactorJob};
 use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{Clustering, Elements};
 use etendue_core::radiosity::form_factors::near::{self, NearPair, NearSettings};
-use etendue_core::radiosity::form_factors::reach::{self, From};
+use etendue_core::radiosity::form_factors::reach::{self, From, Walks};
 use etendue_core::radiosity::form_factors::{Row, rays};
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings, Patches};
 use etendue_core::radiosity::relight::{Products, Symmetric};
@@ -62,33 +62,27 @@ widest! {
     }
 }
 
+/// Who takes walks: each element side that one meets is marked, and those that leave the scene are counted.
+type Walker<'a> = &'a dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>;
+
 /// The element sides that light can get to.
-fn reached(linear: &Linear, scene: &CompiledScene, tree: &Tree, elements: &Elements, seed: u64) -> Vec<bool> {
+fn reached(
+    linear: &Linear,
+    (scene, tree): (&CompiledScene, &Tree),
+    elements: &Elements,
+    seed: u64,
+    walker: Walker<'_>,
+) -> Result<Vec<bool>, BackendError> {
     let reached: Vec<AtomicBool> = (0..elements.count()).map(|_| AtomicBool::new(false)).collect();
     let count = (elements.count() as u64 * WALKS_PER_ELEMENT).clamp(WALKS[0], WALKS[1]) as u32;
-    let run = |from: From, replicate: u32| {
-        let numbers = Numbers::sobol(seed, replicate);
-        let tasks = (0..count.div_ceil(TASK)).into_par_iter();
-        linear.install(|| {
-            tasks
-                .map(|t| {
-                    walks(
-                        (scene, tree, elements),
-                        from,
-                        &numbers,
-                        t * TASK..count.min((t + 1) * TASK),
-                        &reached,
-                    )
-                })
-                .sum::<u32>()
-        })
-    };
+    let run =
+        |from: From, replicate: u32| walker(&Walks { from, numbers: (seed, replicate), count }, &reached);
     let inside = reach::has_inside(scene);
-    let left = if inside { run(From::Inside, 0) } else { 0 };
+    let left = if inside { run(From::Inside, 0)? } else { 0 };
     // What leaves can come in the same way.
     let infinity = !inside || f64::from(left) > CRACK * f64::from(count) || reach::has_infinity(scene);
     if infinity {
-        run(From::Infinity, FROM_INFINITY);
+        run(From::Infinity, FROM_INFINITY)?;
     }
     let met: Vec<bool> = reached.into_iter().map(AtomicBool::into_inner).collect();
     // Walks are few: what they have missed among what they met looks around itself.
@@ -103,7 +97,7 @@ fn reached(linear: &Linear, scene: &CompiledScene, tree: &Tree, elements: &Eleme
         near.of.get(element).is_some_and(|c| around.get(*c as usize).copied().unwrap_or(false))
     };
     let (owners, numbers) = (elements.owners(), Numbers::sobol(seed, LOOK));
-    linear.install(|| {
+    let reached = linear.install(|| {
         (0..met.len())
             .into_par_iter()
             .map(|element| {
@@ -116,18 +110,18 @@ fn reached(linear: &Linear, scene: &CompiledScene, tree: &Tree, elements: &Eleme
                 (infinity && sky > 0) || (among(element) && known > other)
             })
             .collect()
-    })
+    });
+    Ok(reached)
 }
 
-/// The patches of a scene.
+/// The patches of a scene, of what was reached.
 fn patches(
     linear: &Linear,
-    scene: &CompiledScene,
-    tree: &Tree,
+    (scene, tree): (&CompiledScene, &Tree),
     elements: Arc<Elements>,
     settings: &PatchSettings,
+    reached: &[bool],
 ) -> PatchMap {
-    let reached = reached(linear, scene, tree, &elements, settings.seed);
     let clustering = Clustering::new(scene, &elements);
     let clustering = clustering.retain(|element| reached[element]);
     let near = NEAR * elements.settings().largest;
@@ -215,10 +209,40 @@ impl Radiosity {
         elements: Arc<Elements>,
         settings: &PatchSettings,
     ) -> Result<PatchMap, BackendError> {
+        let walker =
+            |of: &Walks, reached: &[AtomicBool]| Ok(self.walk((scene, tree, &elements), of, reached));
+        self.patches_by((scene, tree), elements.clone(), settings, &walker)
+    }
+
+    /// The same with somebody else to take the walks that find what light can get to: most rays of patches are theirs. `walker` marks each element side that one meets and
+    /// says how many left the scene.
+    ///
+    /// # Errors
+    /// As [`Self::patches`], and the walker's.
+    pub fn patches_by(
+        &self,
+        (scene, tree): (&CompiledScene, &Tree),
+        elements: Arc<Elements>,
+        settings: &PatchSettings,
+        walker: &dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>,
+    ) -> Result<PatchMap, BackendError> {
         if let Some(missing) = beyond_patches(scene) {
             return Err(BackendError::SceneNeeds { method: "radiosity", missing });
         }
-        Ok(patches(&self.linear, scene, tree, elements, settings))
+        let reached = reached(&self.linear, (scene, tree), &elements, settings.seed, walker)?;
+        Ok(patches(&self.linear, (scene, tree), elements, settings, &reached))
+    }
+
+    /// Takes walks and marks each element side that one meets; how many left the scene.
+    pub fn walk(
+        &self,
+        ground: (&CompiledScene, &Tree, &Elements),
+        of: &Walks,
+        reached: &[AtomicBool],
+    ) -> u32 {
+        let numbers = Numbers::sobol(of.numbers.0, of.numbers.1);
+        let task = |t: u32| walks(ground, of.from, &numbers, t * TASK..of.count.min((t + 1) * TASK), reached);
+        self.linear.install(|| (0..of.count.div_ceil(TASK)).into_par_iter().map(task).sum())
     }
 
     /// The rows of a job. See [`Session::form_factors`].

@@ -98,7 +98,9 @@ fn films_have_the_bits_of_the_cpu() {
     let mut scenes = vec![("furnished".to_string(), scene(&furnished())), ("lamps".into(), scene(&lamps()))];
     for case in cases::cases() {
         let compiled = scene(&case.scene);
-        if compiled.needs.point_like_lights && !compiled.needs.volume() {
+        // Of those with media some few: their shaders are wide.
+        let taken = ["media/plate_1.5_60_lit", "media/slab_1_1_0_beam"].contains(&case.name.as_str());
+        if compiled.needs.point_like_lights && (taken || !compiled.needs.volume()) {
             scenes.push((case.name.to_string(), compiled));
         }
     }
@@ -234,13 +236,7 @@ fn a_task_never_waits() {
 #[test]
 fn what_does_not_fit_is_an_error() {
     let Some(device) = adapter::backend() else { return };
-    let volume = cases::cases().into_iter().find(|c| scene(&c.scene).needs.volume()).unwrap();
-    let volume = scene(&volume.scene);
     let settings = ElementSettings::default();
-    let mut none = film(&volume, &settings, &job(0..1));
-    let found = device.open(volume).unwrap().direct_irradiance(&job(0..1), &settings, &NoControl, &mut none);
-    assert!(matches!(found, Err(BackendError::Unsupported { .. })), "{found:?}");
-
     let scene = scene(&furnished());
     let session = device.open(scene.clone()).unwrap();
     let mut other = film(&scene, &ElementSettings { largest: 0.2, ..settings }, &job(0..1));

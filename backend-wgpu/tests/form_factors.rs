@@ -3,11 +3,13 @@
 mod adapter;
 
 use etendue_conformance::analytic::compiled;
-use etendue_conformance::scenes::{diffuse, environment, floor, mesh, point_light, room, shape, sphere};
+use etendue_conformance::scenes::{
+    camera, diffuse, environment, floor, mesh, point_light, room, shape, sphere,
+};
 use etendue_core::backend::{Arithmetic, Backend, BackendError, Control, FormFactorJob, NoControl, Session};
 use etendue_core::radiosity::form_factors::Row;
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
-use etendue_core::scene::{CompiledScene, SceneDesc, ShapeKind};
+use etendue_core::scene::{CompiledScene, LightDesc, SceneDesc, ShapeKind};
 use etendue_cpu::CpuBackend;
 use etendue_wgpu::{Mutation, Options, wgpu};
 use std::ops::{ControlFlow, Range};
@@ -34,9 +36,28 @@ fn furnished() -> SceneDesc {
             shape(ShapeKind::Box { min: [-0.7, 0.1, -1.0], max: [-0.2, 0.6, -0.4] }, "wall"),
         ],
         materials: vec![diffuse("wall", 0.6, 0.0), diffuse("lamp", 0.1, 8.0)],
-        lights: vec![point_light([0.1, 0.2, 0.8], 3.0)],
+        lights: vec![
+            point_light([0.1, 0.2, 0.8], 3.0),
+            LightDesc::Spot {
+                position: [-0.5, -0.5, 0.9],
+                direction: [0.4, 0.6, -1.0],
+                intensity: [5.0, 2.0, 0.1],
+                cone_deg: 50.0,
+                falloff_deg: 20.0,
+            },
+        ],
+        camera: Some(camera([0.6, -0.7, 0.3], [-0.4, 0.2, -0.8], 60.0, [32, 24])),
         ..SceneDesc::default()
     }
+}
+
+/// A room without a lid, and a lamp in it: what leaves finds a way to the walls' outsides.
+fn court() -> SceneDesc {
+    let mut desc = furnished();
+    let walls = &mut desc.meshes[0];
+    let heights: Vec<f32> = walls.positions.iter().map(|p| p[2]).collect();
+    walls.triangles.retain(|t| t.iter().any(|v| heights[*v as usize] < 0.9));
+    desc
 }
 
 /// A block in the open, part of it below the ground.
@@ -82,12 +103,15 @@ fn rows_are_those_of_the_cpu() {
     let Some(device) = adapter::backend() else { return };
     let is_exact = device.arithmetic() == Arithmetic::Ieee;
     let mut sums = [0; 3];
-    for (desc, count, rays) in [(furnished(), 60, 512), (furnished(), 700, 64), (yard(), 300, 256)] {
+    for (desc, count, rays) in
+        [(furnished(), 60, 512), (furnished(), 700, 64), (court(), 200, 64), (yard(), 300, 256)]
+    {
         let scene = scene(&desc);
         let (ours, theirs) = (open(&device, &scene), open(&cpu(), &scene));
         let map = patches(&*theirs, count);
-        let same = patches(&*ours, count);
-        assert_eq!(same.patches, map.patches);
+        if is_exact {
+            assert!(patches(&*ours, count).patches == map.patches, "{count}");
+        }
         let all = job(rays, 0..u32::MAX);
         let found = ours.form_factors(&map, &all, &NoControl).unwrap();
         let expected = theirs.form_factors(&map, &all, &NoControl).unwrap();

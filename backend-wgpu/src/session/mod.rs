@@ -8,6 +8,7 @@ mod gather;
 mod maps;
 mod path;
 mod photons;
+mod reach;
 mod rows;
 mod scene;
 mod task;
@@ -35,6 +36,7 @@ use etendue_core::film::{Film, FilmError, FilmSettings};
 use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
 use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
+use etendue_core::radiosity::form_factors::reach::Walks;
 use etendue_core::radiosity::form_factors::{FormFactors, Row};
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
 use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace};
@@ -47,6 +49,7 @@ use etendue_cpu::Radiosity;
 use etendue_tree::WideTree;
 use gather::Target;
 use maps::KeptShot;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use task::Task as _;
@@ -418,7 +421,13 @@ impl Session for WgpuSession {
 
     fn patches(&self, settings: &PatchSettings) -> Result<PatchMap, BackendError> {
         let elements = self.elements(&settings.elements(&self.scene));
-        self.host.patches((&self.scene, &self.tree), elements, settings)
+        let walker = |walks: &Walks, reached: &[AtomicBool]| {
+            self.source.run(|gpu| {
+                let buffers = self.buffers(gpu)?;
+                reach::walk(gpu, &self.scene, &buffers, &elements, walks, reached)
+            })
+        };
+        self.host.patches_by((&self.scene, &self.tree), elements.clone(), settings, &walker)
     }
 
     fn form_factors(

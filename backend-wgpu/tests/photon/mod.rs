@@ -5,7 +5,8 @@
 use etendue_conformance::analytic::compiled;
 use etendue_conformance::golden;
 use etendue_conformance::scenes::{cases, diffuse, environment, point_light, room, shape, sphere};
-use etendue_core::backend::{PhotonJob, PhotonStart, illumination_film_settings};
+use etendue_core::backend::{PhotonJob, PhotonStart, Probe, illumination_film_settings};
+use etendue_core::direct::irradiance::place_on;
 use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
 use etendue_core::scene::{CompiledScene, LightDesc, MaterialKind, Reflectance, SceneDesc, ShapeKind};
@@ -61,6 +62,21 @@ pub(crate) fn scenes() -> Vec<(String, Arc<CompiledScene>)> {
         s.needs.beyond_photons().is_none() && etendue_core::transport::photon::LightPlan::new(s).is_ok()
     });
     all
+}
+
+/// The scene of this name.
+pub(crate) fn named(name: &str) -> Arc<CompiledScene> {
+    scenes().into_iter().find(|(n, _)| n == name).unwrap().1
+}
+
+/// A dozen probes on surfaces, some on their backs.
+pub(crate) fn probes(scene: &CompiledScene) -> Vec<Probe> {
+    let probe = |p: u32| {
+        let (at, n) = place_on(scene, p, [0.31, 0.47])?;
+        let n = if p % 3 == 0 { -n } else { n };
+        Some(Probe { position: at.to_array(), normal: n.to_array() })
+    };
+    (0..scene.primitives().count() as u32).take(12).filter_map(probe).collect()
 }
 
 pub(crate) fn scene(desc: &SceneDesc) -> Arc<CompiledScene> {

@@ -87,7 +87,7 @@ fn wave_begin_sensor(slot: u32) {
     if job.probes == 0u {
         let ray = wave_camera_ray(at);
         var walk = path_walk_new(false, ray, vec3(1.0f));
-        walk.left = Left(true, camera_pdf_solid_angle(wave_camera(scene_at.camera), ray.direction), 0.0f);
+        walk.left = Left(true, camera_pdf_solid_angle(scene_camera(scene_at.camera), ray.direction), 0.0f);
         //: if VOLUME
         walk.inside = vec3(job.camera_inside0, job.camera_inside1, job.camera_inside2);
         //: end

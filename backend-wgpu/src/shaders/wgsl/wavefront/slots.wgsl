@@ -1,6 +1,6 @@
 // What waves of paths have in common: `start` fills the slots, then `trace` answers what each asks and `advance` takes the answer, until
 // none asks. A state is in rows, word r of slot s at r * slots + s: the first four rows are what the host reads.
-//: use sensor
+//: use scene::camera
 //: use transport::back
 //: use tree::walk
 //: use wavefront::job
@@ -109,24 +109,10 @@ fn wave_start(slot: u32) -> WaveStart {
 }
 
 fn wave_camera_ray(at: WaveStart) -> Ray {
-    let camera = wave_camera(scene_at.camera);
+    let camera = scene_camera(scene_at.camera);
     var u = vec4(sobol_group2(at.sampler, 0u), 0.0f, 0.0f);
     if camera.lens_radius > 0.0f { u = sobol_group4(at.sampler, 0u); }
     return camera_sample_ray(camera, at.element % job.width, at.element / job.width, u.xy, u.zw);
-}
-
-// core's record.
-fn wave_camera(at: u32) -> Camera {
-    return Camera(
-        scene_triple(at),
-        scene_float(at + 3u),
-        scene_triple(at + 4u),
-        scene_float(at + 7u),
-        scene_triple(at + 8u),
-        scene_word(at + 11u),
-        scene_triple(at + 12u),
-        scene_word(at + 15u),
-    );
 }
 
 fn wave_probe(at: u32) -> vec3<f32> {

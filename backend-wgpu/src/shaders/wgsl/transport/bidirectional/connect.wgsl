@@ -77,7 +77,7 @@ fn connect_exchange(
     var light = 0u;
     var camera: Camera;
     if to_camera {
-        camera = wave_camera(scene_at.camera);
+        camera = scene_camera(scene_at.camera);
         var lens = camera.position;
         if camera.lens_radius > 0.0f {
             lens = camera_sample_lens(camera, sobol_group2(sampler, LIGHT_GROUPS + WALK_GROUPS * event + 1u));
