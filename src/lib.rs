@@ -2,7 +2,7 @@
 //!
 //! The facade of the workspace: it re-exports the exact math ([`core`]), chooses a backend at run time
 //! ([`engine`]), drives jobs to a number of samples, a time or an error ([`driver`]), reads and writes files ([`io`])
-//! and compares images ([`metrics`]).
+//! and compares images ([`metrics`]), and measures speed against error on a scene (`report`).
 //!
 //! The README has an example in twenty lines; it is a test of this crate.
 
@@ -18,6 +18,8 @@ pub mod engine;
 #[cfg(feature = "io")]
 pub mod io;
 pub mod metrics;
+#[cfg(feature = "report")]
+pub mod report;
 
 #[cfg(feature = "cli")]
 #[doc(hidden)]

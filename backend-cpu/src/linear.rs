@@ -13,10 +13,10 @@ use etendue_core::radiosity::polynomial::{Multiply, Packed, ROWS, Target, View, 
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Threads for matrix products and operators.
-#[derive(Clone, Debug)]
+/// Threads for matrix products and operators. By default rayon's own, those of whatever pool the caller is in.
+#[derive(Clone, Debug, Default)]
 pub struct Linear {
-    pool: Arc<rayon::ThreadPool>,
+    pool: Option<Arc<rayon::ThreadPool>>,
 }
 
 impl Linear {
@@ -34,16 +34,19 @@ impl Linear {
     }
 
     pub(crate) fn threads(&self) -> usize {
-        self.pool.current_num_threads()
+        self.pool.as_ref().map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads())
     }
 
     /// Runs on these threads.
     pub(crate) fn install<T: Send>(&self, run: impl FnOnce() -> T + Send) -> T {
-        self.pool.install(run)
+        match &self.pool {
+            Some(pool) => pool.install(run),
+            None => run(),
+        }
     }
 
     pub(crate) fn on(pool: Arc<rayon::ThreadPool>) -> Self {
-        Self { pool }
+        Self { pool: Some(pool) }
     }
 
     /// The same operator, applied by these threads.
@@ -92,7 +95,7 @@ impl Linear {
             }
             return;
         }
-        self.pool.install(|| {
+        self.install(|| {
             c.entries.par_chunks_mut(ROWS * stride).enumerate().for_each(|(chunk, entries)| {
                 rows(Target { entries, stride, column }, &a, chunk * ROWS, &packed);
             });
@@ -227,7 +230,7 @@ impl<O> ParallelOperator<'_, O> {
         if self.linear.alone() {
             jobs.iter_mut().enumerate().for_each(work);
         } else {
-            self.linear.pool.install(|| jobs.par_iter_mut().with_max_len(1).enumerate().for_each(work));
+            self.linear.install(|| jobs.par_iter_mut().with_max_len(1).enumerate().for_each(work));
         }
         for s in 0..stripes {
             let (earlier, later) = jobs.split_at_mut(s + 1);

@@ -1,14 +1,18 @@
 //! Patches and form factors over a pool of threads, and relighting in wide registers.
+//!
+//! A bake has parts that no device is faster at, or that take little of its time ([`Radiosity`]): backends with a device run them here.
 
 use crate::linear::Linear;
 use crate::simd::widest;
 use crate::stripes;
 use crate::tree::Tree;
+#[cfg(doc)]
+use etendue_core::backend::Session;
 use etendue_core::backend::{BackendError, Control, FormFactorJob};
 use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{Clustering, Elements};
 use etendue_core::radiosity::form_factors::near::{self, NearPair, NearSettings};
-use etendue_core::radiosity::form_factors::reach::{self, From};
+use etendue_core::radiosity::form_factors::reach::{self, From, Walks};
 use etendue_core::radiosity::form_factors::{Row, rays};
 use etendue_core::radiosity::patches::{PatchMap, PatchSettings, Patches};
 use etendue_core::radiosity::relight::{Products, Symmetric};
@@ -58,39 +62,27 @@ widest! {
     }
 }
 
+/// Who takes walks: each element side that one meets is marked, and those that leave the scene are counted.
+type Walker<'a> = &'a dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>;
+
 /// The element sides that light can get to.
 fn reached(
-    pool: &rayon::ThreadPool,
-    scene: &CompiledScene,
-    tree: &Tree,
+    linear: &Linear,
+    (scene, tree): (&CompiledScene, &Tree),
     elements: &Elements,
     seed: u64,
-) -> Vec<bool> {
+    walker: Walker<'_>,
+) -> Result<Vec<bool>, BackendError> {
     let reached: Vec<AtomicBool> = (0..elements.count()).map(|_| AtomicBool::new(false)).collect();
     let count = (elements.count() as u64 * WALKS_PER_ELEMENT).clamp(WALKS[0], WALKS[1]) as u32;
-    let run = |from: From, replicate: u32| {
-        let numbers = Numbers::sobol(seed, replicate);
-        let tasks = (0..count.div_ceil(TASK)).into_par_iter();
-        pool.install(|| {
-            tasks
-                .map(|t| {
-                    walks(
-                        (scene, tree, elements),
-                        from,
-                        &numbers,
-                        t * TASK..count.min((t + 1) * TASK),
-                        &reached,
-                    )
-                })
-                .sum::<u32>()
-        })
-    };
+    let run =
+        |from: From, replicate: u32| walker(&Walks { from, numbers: (seed, replicate), count }, &reached);
     let inside = reach::has_inside(scene);
-    let left = if inside { run(From::Inside, 0) } else { 0 };
+    let left = if inside { run(From::Inside, 0)? } else { 0 };
     // What leaves can come in the same way.
     let infinity = !inside || f64::from(left) > CRACK * f64::from(count) || reach::has_infinity(scene);
     if infinity {
-        run(From::Infinity, FROM_INFINITY);
+        run(From::Infinity, FROM_INFINITY)?;
     }
     let met: Vec<bool> = reached.into_iter().map(AtomicBool::into_inner).collect();
     // Walks are few: what they have missed among what they met looks around itself.
@@ -105,7 +97,7 @@ fn reached(
         near.of.get(element).is_some_and(|c| around.get(*c as usize).copied().unwrap_or(false))
     };
     let (owners, numbers) = (elements.owners(), Numbers::sobol(seed, LOOK));
-    pool.install(|| {
+    let reached = linear.install(|| {
         (0..met.len())
             .into_par_iter()
             .map(|element| {
@@ -118,18 +110,18 @@ fn reached(
                 (infinity && sky > 0) || (among(element) && known > other)
             })
             .collect()
-    })
+    });
+    Ok(reached)
 }
 
-/// The patches of a scene.
-pub(crate) fn patches(
-    pool: &rayon::ThreadPool,
-    scene: &CompiledScene,
-    tree: &Tree,
+/// The patches of a scene, of what was reached.
+fn patches(
+    linear: &Linear,
+    (scene, tree): (&CompiledScene, &Tree),
     elements: Arc<Elements>,
     settings: &PatchSettings,
+    reached: &[bool],
 ) -> PatchMap {
-    let reached = reached(pool, scene, tree, &elements, settings.seed);
     let clustering = Clustering::new(scene, &elements);
     let clustering = clustering.retain(|element| reached[element]);
     let near = NEAR * elements.settings().largest;
@@ -139,7 +131,7 @@ pub(crate) fn patches(
         let primitive = owners.get(element % owners.len().max(1)).copied().unwrap_or(NO_INDEX);
         reach::kind(scene, tree, &elements, (element as u32, primitive, place), near)
     };
-    let kinds: Vec<u8> = pool.install(|| clustering.places().par_iter().enumerate().map(kind).collect());
+    let kinds: Vec<u8> = linear.install(|| clustering.places().par_iter().enumerate().map(kind).collect());
     let clusters = clustering.apart(kinds).by_count(settings.count as usize);
     let patches = Patches::new(scene, &elements, &clusters);
     PatchMap { elements, patches }
@@ -152,96 +144,11 @@ widest! {
     }
 }
 
-/// The rows of a job.
-pub(crate) fn form_factors(
-    pool: &rayon::ThreadPool,
-    (scene, tree): (&CompiledScene, &Tree),
-    map: &PatchMap,
-    job: &FormFactorJob,
-    control: &dyn Control,
-) -> Result<Vec<Row>, BackendError> {
-    let n = map.patches.len();
-    let mean_area = map.patches.list().iter().map(|p| f64::from(p.area)).sum::<f64>() / n.max(1) as f64;
-    let end = (job.patches.end as usize).min(n);
-    let range = (job.patches.start as usize).min(end)..end;
-    let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
-    let all = range.len() as u64;
-    let rows: Vec<Row> = pool.install(|| {
-        range
-            .into_par_iter()
-            .with_max_len(16)
-            .map_init(
-                || vec![0_u32; n],
-                |counts, patch| {
-                    if stopped.load(Ordering::Relaxed) {
-                        return Row::default();
-                    }
-                    let rays = rays::share(job.rays, map.patches.list()[patch].area, mean_area as f32);
-                    let row = trace((scene, tree, map), patch, (job.seed, rays), counts);
-                    if control.advance(done.fetch_add(1, Ordering::Relaxed) + 1, all).is_break() {
-                        stopped.store(true, Ordering::Relaxed);
-                    }
-                    row
-                },
-            )
-            .collect()
-    });
-    if stopped.into_inner() { Err(BackendError::Cancelled) } else { Ok(rows) }
-}
-
 widest! {
     fn near_pair(ground: (&CompiledScene, &Tree, &PatchMap), pair: [u32; 2], settings: &NearSettings) -> NearPair {
         let (scene, tree, map) = ground;
         near::measure(scene, tree, (&map.elements, &map.patches), pair, settings)
     }
-}
-
-/// Form factors of pairs.
-pub(crate) fn near_form_factors(
-    pool: &rayon::ThreadPool,
-    ground: (&CompiledScene, &Tree, &PatchMap),
-    pairs: &[[u32; 2]],
-    settings: &NearSettings,
-    control: &dyn Control,
-) -> Result<Vec<NearPair>, BackendError> {
-    let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
-    let all = pairs.len() as u64;
-    let found: Vec<NearPair> = pool.install(|| {
-        pairs
-            .par_iter()
-            .map(|pair| {
-                if stopped.load(Ordering::Relaxed) {
-                    return NearPair::default();
-                }
-                let found = near_pair(ground, *pair, settings);
-                if control.advance(done.fetch_add(1, Ordering::Relaxed) + 1, all).is_break() {
-                    stopped.store(true, Ordering::Relaxed);
-                }
-                found
-            })
-            .collect()
-    });
-    if stopped.into_inner() { Err(BackendError::Cancelled) } else { Ok(found) }
-}
-
-/// Weights of patches for all elements.
-pub(crate) fn transfer(
-    pool: &rayon::ThreadPool,
-    scene: &CompiledScene,
-    tree: &Tree,
-    map: &PatchMap,
-) -> Transfer {
-    let (grid, places) = (PatchGrid::new(map), transfer::places(scene, map));
-    let lists = pool.install(|| {
-        (0..map.elements.count())
-            .into_par_iter()
-            .map(|element| match Transfer::place(map, &places, element) {
-                Some(place) => grid.weights(map, place, |ray| tree.occluded(ray)),
-                None => Vec::new(),
-            })
-            .collect()
-    });
-    Transfer::new(lists)
 }
 
 widest! {
@@ -256,21 +163,180 @@ widest! {
     }
 }
 
-/// What tiles lose.
-pub(crate) fn rate_curves(pool: &rayon::ThreadPool, symmetric: &Symmetric<'_>) -> RateCurves {
-    let rows = (0..tile_rows(symmetric.len())).into_par_iter().with_max_len(8);
-    RateCurves::new(pool.install(|| rows.map(|row| curve_row(symmetric, row)).collect()))
+/// What of a bake runs on threads: all of it but relighting, which is [`Linear`]'s.
+#[derive(Clone, Debug, Default)]
+pub struct Radiosity {
+    linear: Linear,
 }
 
-/// Tiles of the kinds wanted.
-pub(crate) fn tiles(
-    pool: &rayon::ThreadPool,
-    symmetric: &Symmetric<'_>,
-    want: &(dyn Fn(usize, usize) -> Kind + Sync),
-) -> Result<Tiles, TileError> {
-    let rows = (0..tile_rows(symmetric.len())).into_par_iter().with_max_len(8);
-    let rows: Vec<_> = pool.install(|| rows.map(|row| encode_row(symmetric, row, want)).collect());
-    tiles::join_rows(symmetric.len(), rows)
+/// A job in many parts over the pool's threads, in order; where the control cancels, the rest of them are left out.
+fn in_parts<T: Send, R: Send + Default>(
+    linear: &Linear,
+    parts: impl IndexedParallelIterator<Item = T>,
+    control: &dyn Control,
+    room: impl Fn() -> Vec<u32> + Sync + Send,
+    part: impl Fn(&mut Vec<u32>, T) -> R + Sync + Send,
+) -> Result<Vec<R>, BackendError> {
+    let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
+    let all = parts.len() as u64;
+    let run = |room: &mut Vec<u32>, given: T| {
+        if stopped.load(Ordering::Relaxed) {
+            return R::default();
+        }
+        let found = part(room, given);
+        if control.advance(done.fetch_add(1, Ordering::Relaxed) + 1, all).is_break() {
+            stopped.store(true, Ordering::Relaxed);
+        }
+        found
+    };
+    let found = linear.install(|| parts.map_init(room, run).collect());
+    if stopped.into_inner() { Err(BackendError::Cancelled) } else { Ok(found) }
+}
+
+impl Radiosity {
+    /// On the threads of `linear`.
+    pub fn on(linear: Linear) -> Self {
+        Self { linear }
+    }
+
+    /// The patches of a scene; `elements` are those of [`PatchSettings::elements`]. See [`Session::patches`].
+    ///
+    /// # Errors
+    /// [`BackendError::SceneNeeds`] where surfaces are not all diffuse triangles.
+    pub fn patches(
+        &self,
+        (scene, tree): (&CompiledScene, &Tree),
+        elements: Arc<Elements>,
+        settings: &PatchSettings,
+    ) -> Result<PatchMap, BackendError> {
+        let walker =
+            |of: &Walks, reached: &[AtomicBool]| Ok(self.walk((scene, tree, &elements), of, reached));
+        self.patches_by((scene, tree), elements.clone(), settings, &walker)
+    }
+
+    /// The same with somebody else to take the walks that find what light can get to: most rays of patches are theirs. `walker` marks each element side that one meets and
+    /// says how many left the scene.
+    ///
+    /// # Errors
+    /// As [`Self::patches`], and the walker's.
+    pub fn patches_by(
+        &self,
+        (scene, tree): (&CompiledScene, &Tree),
+        elements: Arc<Elements>,
+        settings: &PatchSettings,
+        walker: &dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>,
+    ) -> Result<PatchMap, BackendError> {
+        if let Some(missing) = beyond_patches(scene) {
+            return Err(BackendError::SceneNeeds { method: "radiosity", missing });
+        }
+        let reached = reached(&self.linear, (scene, tree), &elements, settings.seed, walker)?;
+        Ok(patches(&self.linear, (scene, tree), elements, settings, &reached))
+    }
+
+    /// Takes walks and marks each element side that one meets; how many left the scene.
+    pub fn walk(
+        &self,
+        ground: (&CompiledScene, &Tree, &Elements),
+        of: &Walks,
+        reached: &[AtomicBool],
+    ) -> u32 {
+        let numbers = Numbers::sobol(of.numbers.0, of.numbers.1);
+        let task = |t: u32| walks(ground, of.from, &numbers, t * TASK..of.count.min((t + 1) * TASK), reached);
+        self.linear.install(|| (0..of.count.div_ceil(TASK)).into_par_iter().map(task).sum())
+    }
+
+    /// The rows of a job. See [`Session::form_factors`].
+    ///
+    /// # Errors
+    /// [`BackendError::Cancelled`].
+    pub fn form_factors(
+        &self,
+        (scene, tree): (&CompiledScene, &Tree),
+        map: &PatchMap,
+        job: &FormFactorJob,
+        control: &dyn Control,
+    ) -> Result<Vec<Row>, BackendError> {
+        let n = map.patches.len();
+        let shares = rays::shares(&map.patches, job.rays);
+        let end = (job.patches.end as usize).min(n);
+        let patches = ((job.patches.start as usize).min(end)..end).into_par_iter().with_max_len(16);
+        let part = |counts: &mut Vec<u32>, patch: usize| {
+            trace((scene, tree, map), patch, (job.seed, shares[patch]), counts)
+        };
+        in_parts(&self.linear, patches, control, || vec![0_u32; n], part)
+    }
+
+    /// Form factors of pairs. See [`Session::near_form_factors`].
+    ///
+    /// # Errors
+    /// [`BackendError::Cancelled`].
+    pub fn near_form_factors(
+        &self,
+        (scene, tree): (&CompiledScene, &Tree),
+        map: &PatchMap,
+        pairs: &[[u32; 2]],
+        settings: &NearSettings,
+        control: &dyn Control,
+    ) -> Result<Vec<NearPair>, BackendError> {
+        let part = |_: &mut Vec<u32>, pair: &[u32; 2]| near_pair((scene, tree, map), *pair, settings);
+        in_parts(&self.linear, pairs.par_iter(), control, Vec::new, part)
+    }
+
+    /// Weights of patches for all elements. See [`Session::transfer`].
+    pub fn transfer(&self, (scene, tree): (&CompiledScene, &Tree), map: &PatchMap) -> Transfer {
+        let (grid, places) = (PatchGrid::new(map), transfer::places(scene, map));
+        let lists = self.linear.install(|| {
+            (0..map.elements.count())
+                .into_par_iter()
+                .map(|element| match Transfer::place(map, &places, element) {
+                    Some(place) => grid.weights(map, place, |ray| tree.occluded(ray)),
+                    None => Vec::new(),
+                })
+                .collect()
+        });
+        Transfer::new(lists)
+    }
+
+    /// What tiles lose. See [`Session::rate_curves`].
+    pub fn rate_curves(&self, symmetric: &Symmetric<'_>) -> RateCurves {
+        let rows = (0..tile_rows(symmetric.len())).into_par_iter().with_max_len(8);
+        RateCurves::new(self.linear.install(|| rows.map(|row| curve_row(symmetric, row)).collect()))
+    }
+
+    /// Tiles of the kinds wanted. See [`Session::tiles`].
+    ///
+    /// # Errors
+    /// Too many patches.
+    pub fn tiles(
+        &self,
+        symmetric: &Symmetric<'_>,
+        want: &(dyn Fn(usize, usize) -> Kind + Sync),
+    ) -> Result<Tiles, TileError> {
+        let rows = (0..tile_rows(symmetric.len())).into_par_iter().with_max_len(8);
+        let rows: Vec<_> = self.linear.install(|| rows.map(|row| encode_row(symmetric, row, want)).collect());
+        tiles::join_rows(symmetric.len(), rows)
+    }
+
+    /// What products and blocks are made with.
+    pub fn linear(&self) -> &Linear {
+        &self.linear
+    }
+}
+
+/// What a scene needs and patches do not have.
+fn beyond_patches(scene: &CompiledScene) -> Option<String> {
+    let needs = &scene.needs;
+    needs.beyond_surfaces().or_else(|| {
+        let list = [
+            (needs.mirrors && !needs.plastic, "mirrors"),
+            (needs.glossy, "Phong lobes"),
+            (needs.rough, "rough metals"),
+            (needs.plastic, "plastic"),
+            (needs.round_shapes, "spheres and disks"),
+            (needs.environment_image, "a picture of the environment"),
+        ];
+        list.into_iter().find(|l| l.0).map(|l| l.1.into())
+    })
 }
 
 widest! {

@@ -3,7 +3,7 @@
 use crate::bidirectional::{self, Place};
 use crate::linear::Linear;
 use crate::photons::{self, Photons, Target};
-use crate::radiosity;
+use crate::radiosity::Radiosity;
 use crate::schedule::{image_chunks, run_blocks, single_chunks};
 use crate::simd::widest;
 use crate::tree::Tree;
@@ -127,6 +127,10 @@ impl CpuSession {
     ) -> Result<(FirstShot, u64), FirstShotError> {
         let place = (&self.tree, self.media());
         photons::first_shot(&self.pool, &self.scene, place, subdivision, weights)
+    }
+
+    fn radiosity(&self) -> Radiosity {
+        Radiosity::on(Linear::on(self.pool.clone()))
     }
 
     fn media(&self) -> &LightMedia {
@@ -470,21 +474,8 @@ impl Session for CpuSession {
     }
 
     fn patches(&self, settings: &PatchSettings) -> Result<PatchMap, BackendError> {
-        let needs = &self.scene.needs;
-        let missing = needs.beyond_surfaces().or_else(|| {
-            let list = [
-                (needs.mirrors && !needs.plastic, "mirrors"),
-                (needs.glossy, "Phong lobes"),
-                (needs.rough, "rough metals"),
-                (needs.plastic, "plastic"),
-                (needs.round_shapes, "spheres and disks"),
-                (needs.environment_image, "a picture of the environment"),
-            ];
-            list.into_iter().find(|l| l.0).map(|l| l.1.into())
-        });
-        check_needs("radiosity", missing)?;
         let elements = self.elements(&settings.elements(&self.scene));
-        Ok(radiosity::patches(&self.pool, &self.scene, &self.tree, elements, settings))
+        self.radiosity().patches((&self.scene, &self.tree), elements, settings)
     }
 
     fn form_factors(
@@ -493,7 +484,7 @@ impl Session for CpuSession {
         job: &FormFactorJob,
         control: &dyn Control,
     ) -> Result<Vec<Row>, BackendError> {
-        radiosity::form_factors(&self.pool, (&self.scene, &self.tree), map, job, control)
+        self.radiosity().form_factors((&self.scene, &self.tree), map, job, control)
     }
 
     fn near_form_factors(
@@ -503,15 +494,15 @@ impl Session for CpuSession {
         settings: &NearSettings,
         control: &dyn Control,
     ) -> Result<Vec<NearPair>, BackendError> {
-        radiosity::near_form_factors(&self.pool, (&self.scene, &self.tree, map), pairs, settings, control)
+        self.radiosity().near_form_factors((&self.scene, &self.tree), map, pairs, settings, control)
     }
 
     fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {
-        Ok(radiosity::transfer(&self.pool, &self.scene, &self.tree, map))
+        Ok(self.radiosity().transfer((&self.scene, &self.tree), map))
     }
 
     fn rate_curves(&self, symmetric: &Symmetric<'_>) -> RateCurves {
-        radiosity::rate_curves(&self.pool, symmetric)
+        self.radiosity().rate_curves(symmetric)
     }
 
     fn tiles(
@@ -519,7 +510,7 @@ impl Session for CpuSession {
         symmetric: &Symmetric<'_>,
         want: &(dyn Fn(usize, usize) -> Kind + Sync),
     ) -> Result<Tiles, TileError> {
-        radiosity::tiles(&self.pool, symmetric, want)
+        self.radiosity().tiles(symmetric, want)
     }
 
     fn with_coarse(&self, relighter: Relighter, rates: Rates) -> Result<Relighter, RelightError> {

@@ -11,8 +11,21 @@ const WORKGROUP: u32 = 64;
 const SLICE: u64 = 1 << 16;
 
 /// Kernels have all of the code: no scene says what it does without.
-pub(crate) const FEATURES: &[&str] =
-    &["LOBES", "TEXTURES", "SHADING", "SHAPES", "ENVIRONMENT_MAP", "VOLUME", "GRIDS", "COLOURED_GRIDS"];
+pub(crate) const FEATURES: &[&str] = &[
+    "LOBES",
+    "TEXTURES",
+    "SHADING",
+    "SHAPES",
+    "ENVIRONMENT_MAP",
+    "VOLUME",
+    "GRIDS",
+    "COLOURED_GRIDS",
+    "AIRLIGHT",
+    "BIDIRECTIONAL",
+    "DETAIL",
+    "CUTOFF",
+    "SEARCH",
+];
 
 /// The file that has a kernel's adaptor: core's `evaluate` in WGSL.
 fn adaptor(kernel: Kernel) -> String {

@@ -113,6 +113,12 @@ impl WgpuBackend {
         self.source.gpu().is_exact()
     }
 
+    /// The shaders that were made so far: name, entry point and the bytes that the device was given (SPIR-V, or the text where it takes none).
+    pub fn shaders(&self) -> Vec<(String, &'static str, usize)> {
+        let made = self.source.gpu().shader_bytes();
+        made.into_iter().map(|(key, bytes)| (key.name, key.entry, bytes)).collect()
+    }
+
     /// How the device decodes textures of BC1. The first call tries it; the answer is kept.
     ///
     /// # Errors
@@ -167,7 +173,7 @@ impl Backend for WgpuBackend {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities { path: true, volume: true, kernels: true, ..Capabilities::default() }
+        Capabilities { path: true, bidirectional: true, volume: true, kernels: true }
     }
 
     fn arithmetic(&self) -> Arithmetic {

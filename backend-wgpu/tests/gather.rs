@@ -1,7 +1,7 @@
 //! Images and probes from maps of photons on a device against the CPU: where the device's arithmetic is exact, films are equal to the last bit.
 
 mod adapter;
-mod all_at_once;
+mod crowd;
 mod photon;
 
 use etendue_core::backend::{
@@ -76,7 +76,7 @@ fn maps_in_media_are_read_with_the_bits_of_the_cpu() {
 fn all_scenes_are_read_with_the_bits_of_the_cpu() {
     let Some(device) = adapter::exact_with(Options::default()) else { return };
     let cpu = CpuBackend::new(None).unwrap();
-    let together = scene(&all_at_once::all_at_once(true));
+    let together = scene(&crowd::all_at_once(true));
     for (name, scene) in scenes().into_iter().chain([("together".into(), together)]) {
         println!("{name}");
         same(&name, [&device, &cpu], &scene);

@@ -19,6 +19,8 @@ enum By {
     Case(&'static str),
     /// A scene with an image of the reference's.
     Golden(&'static str),
+    /// The same from both ends, by its bits.
+    BothEnds(&'static str),
 }
 
 impl By {
@@ -26,6 +28,15 @@ impl By {
     /// them, by statistics; otherwise a few samples and their bits.
     fn passes(self, backend: &dyn Backend, slow: bool) -> bool {
         match self {
+            Self::BothEnds(name) => {
+                let scene = golden::scenes().into_iter().find(|s| s.name == name).unwrap();
+                let compiled = analytic::compiled(&scene.scene).unwrap();
+                let job = PathJob { seed: 7, block_length: 2, blocks: 0..2, max_depth: 6 };
+                let film = |backend| {
+                    analytic::render(backend, Estimator::Bidirectional, &compiled, None, &job).unwrap()
+                };
+                film(backend) == film(&ReferenceBackend)
+            }
             Self::Golden(name) => {
                 let scene = golden::scenes().into_iter().find(|s| s.name == name).unwrap();
                 if slow {
@@ -233,6 +244,27 @@ const MUTANTS: &[Mutant] = &[
         "let at = grid.first_value + 3u * index;",
         "let at = 3u * index + 1u;",
         By::Case("media/grid_ramp"),
+    ),
+    (
+        "strategies before the last two forgotten",
+        "transport::bidirectional::weight",
+        "if left.opens { sum = weight_of(chain.open) + before; }",
+        "if left.opens { sum = weight_of(chain.open); }",
+        By::BothEnds("room"),
+    ),
+    (
+        "splats without their carries",
+        "wavefront::bidirectional::joints",
+        "return u32(old + x < old);",
+        "return 0u;",
+        By::BothEnds("room"),
+    ),
+    (
+        "importance turned by normals as radiance is",
+        "transport::bidirectional::vertex",
+        "math_abs(select(cos, cos * there / here, from_light))",
+        "math_abs(cos)",
+        By::BothEnds("stage"),
     ),
 ];
 

@@ -1,7 +1,7 @@
 //! Illumination maps by photons on a device against the CPU: where the device's arithmetic is exact, films are equal to the last bit.
 
 mod adapter;
-mod all_at_once;
+mod crowd;
 mod photon;
 
 use etendue_core::backend::{Backend, BackendError, Control, NoControl, PhotonJob, PhotonStart, Session};
@@ -95,7 +95,7 @@ fn all_scenes_have_the_bits_of_the_cpu() {
     let Some(device) = adapter::exact_with(Options::default()) else { return };
     let mut all = scenes();
     for coloured in [false, true] {
-        let mut desc = all_at_once::all_at_once(coloured);
+        let mut desc = crowd::all_at_once(coloured);
         all.push((format!("together {coloured}"), scene(&desc)));
         // Photons start on triangles alone.
         desc.shapes.retain(|s| !matches!(s.kind, ShapeKind::Sphere { .. } | ShapeKind::Disk { .. }));

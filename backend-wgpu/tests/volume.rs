@@ -1,9 +1,9 @@
 //! All that a scene with media can have, together: images and probes on a device against the scalar reference, to the last bit.
 
 mod adapter;
-mod all_at_once;
+mod crowd;
 
-use all_at_once::all_at_once;
+use crowd::all_at_once;
 use etendue_conformance::analytic::{Estimator, compiled, render};
 use etendue_conformance::reference::ReferenceBackend;
 use etendue_conformance::scenes::probe;

@@ -142,7 +142,7 @@ def translated(lux, file):
 
 
 def luxcore_here(file, options, samples, seed):
-    """Version, samples per pixel, CPU seconds and image; to be run in a process of its own."""
+    """Version, samples per pixel, CPU seconds, seconds and image; to be run in a process of its own."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     import pyluxcore as lux
 
@@ -166,7 +166,7 @@ def luxcore_here(file, options, samples, seed):
     for key, value in settings.items():
         config.Set(lux.Property(key, value))
     session = lux.RenderSession(lux.RenderConfig(config, scene))
-    before = resource.getrusage(resource.RUSAGE_SELF)
+    before, clock = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
     session.Start()
     while not session.HasDone():
         time.sleep(0.05)
@@ -174,15 +174,17 @@ def luxcore_here(file, options, samples, seed):
     session.Stop()
     after = resource.getrusage(resource.RUSAGE_SELF)
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    clock = time.perf_counter() - clock
     passes = session.GetStats().Get("stats.renderengine.pass").GetFloat()
     image = np.empty((height, width, 3), dtype=np.float32)
     session.GetFilm().GetOutputFloat(lux.FilmOutputType.RGB, image, 0, True)
-    return lux.Version(), passes, seconds, image[::-1].copy()
+    return lux.Version(), passes, seconds, clock, image[::-1].copy()
 
 
 def luxcore(file, method, samples, seed):
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as child:
-        return child.submit(luxcore_here, file, method.options, samples, seed).result()
+        version, passes, seconds, _, image = child.submit(luxcore_here, file, method.options, samples, seed).result()
+        return version, passes, seconds, image
 
 
 def etendue(program, file, method, samples, seed):

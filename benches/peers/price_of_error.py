@@ -17,80 +17,17 @@ import subprocess
 import sys
 import tempfile
 import time
-import tomllib
 from pathlib import Path
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from obj import meshes
+from mitsuba_peer import Mitsuba, read
 
 GOAL = 1e-3
 TURNS = int(os.environ.get("TURNS", "5"))
 OURS = int(os.environ.get("OUR_SAMPLES", "64"))
 THEIRS = int(os.environ.get("THEIR_SAMPLES", "64"))
-
-
-def mitsuba_meshes(obj):
-    """A Mitsuba mesh for each material of an OBJ."""
-    for name, albedo, vertices, triangles in meshes(obj):
-        properties = mi.Properties()
-        bsdf = {"type": "diffuse", "reflectance": {"type": "rgb", "value": albedo}}
-        properties["bsdf"] = mi.load_dict({"type": "twosided", "bsdf": bsdf})
-        mesh = mi.Mesh(name, vertex_count=len(vertices), face_count=len(triangles), props=properties)
-        parameters = mi.traverse(mesh)
-        parameters["vertex_positions"] = np.array(vertices, dtype=np.float32).ravel()
-        parameters["faces"] = np.array(triangles, dtype=np.uint32).ravel()
-        parameters.update()
-        yield name, mesh
-
-
-def scene_of(file):
-    """The same scene for Mitsuba."""
-    description = tomllib.loads(file.read_text())
-    camera = description["camera"]
-    width, height = camera["resolution"]
-    to_world = mi.ScalarTransform4f().look_at(
-        origin=camera["position"], target=camera["look_at"], up=camera["up"]
-    )
-    out = {
-        "type": "scene",
-        "integrator": {"type": "path", "max_depth": -1},
-        "sensor": {
-            "type": "perspective",
-            "fov": camera["fov_x_deg"],
-            "fov_axis": "x",
-            "to_world": to_world,
-            "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}},
-        },
-    }
-    emission = {m["name"]: m for m in description.get("material", [])}
-    for mesh in description["mesh"]:
-        out.update(mitsuba_meshes(file.parent / mesh["file"]))
-    for i, shape in enumerate(description.get("shape", [])):
-        c, u, v = (np.array(shape[k]) for k in ("center", "u", "v"))
-        n = np.cross(u, v)
-        matrix = np.eye(4)
-        matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = u, v, n / np.linalg.norm(n), c
-        material = emission[shape["material"]]
-        out[f"shape{i}"] = {
-            "type": "rectangle",
-            "to_world": mi.ScalarTransform4f(matrix),
-            "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": material["albedo"]}},
-            "emitter": {"type": "area", "radiance": {"type": "rgb", "value": material["emission"]}},
-        }
-    for i, light in enumerate(description.get("light", [])):
-        intensity = {"type": "rgb", "value": light["intensity"]}
-        out[f"light{i}"] = {"type": "point", "position": light["position"], "intensity": intensity}
-    return mi.load_dict(out)
-
-
-def read(file):
-    """Colours of an EXR's unnamed layer."""
-    bitmap = dict(mi.Bitmap(str(file)).split())["<root>"]
-    names = [field.name for field in bitmap.struct_()]
-    return np.array(bitmap).astype(np.float32)[:, :, [names.index(c) for c in "RGB"]]
 
 
 def rel_mse(image, reference):
@@ -109,18 +46,15 @@ def ours(program, file, seed):
         return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, read(out)
 
 
-def theirs(scene, seed):
+def theirs(peer, seed):
     before = time.process_time()
-    image = mi.render(scene, spp=THEIRS, seed=seed)
-    dr.eval(image)
-    dr.sync_thread()
-    return time.process_time() - before, np.array(image)
+    image = peer.render(THEIRS, seed)
+    return time.process_time() - before, image
 
 
 def main():
     file, reference = Path(sys.argv[1]), Path(sys.argv[2])
-    mi.set_variant("llvm_ad_rgb")
-    scene, truth = scene_of(file), read(reference)
+    scene, truth = Mitsuba(file, os.cpu_count()), read(reference)
     program = Path(__file__).resolve().parents[2] / "target/release/etendue"
     theirs(scene, 0)
     rows = {"etendue": [], "mitsuba": []}
@@ -137,4 +71,5 @@ def main():
     print(f"CPU-s to rel_mse {GOAL}: etendue {price['etendue']:.1f}, Mitsuba {mi.__version__} {price['mitsuba']:.1f}; ratio {ratio:.2f}")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -4,6 +4,7 @@ use crate::driver::OpenError;
 use crate::driver::radiosity::BakeError;
 use crate::io::{LoadError, SaveError};
 use crate::metrics::MetricsError;
+use crate::report::ReportError;
 use etendue_core::backend::BackendError;
 use etendue_core::scene::SceneError;
 use std::process::ExitCode;
@@ -39,6 +40,10 @@ pub(super) enum CliError {
     #[error("{0}")]
     Metrics(#[from] MetricsError),
     #[error("{0}")]
+    Report(#[from] ReportError),
+    #[error("{folder}: cannot be made: {reason}")]
+    Folder { folder: String, reason: String },
+    #[error("{0}")]
     Usage(String),
     #[error("{0}")]
     Input(String),
@@ -52,7 +57,12 @@ impl CliError {
             Self::Bake(BakeError::Backend(e)) | Self::Backend(e) => backend_code(e),
             Self::Bake(_) => INPUT,
             Self::Usage(_) => USAGE,
-            Self::Save(_) | Self::NoFolder { .. } => RESOURCE,
+            Self::Report(ReportError::Backend(e) | ReportError::Bake(BakeError::Backend(e))) => {
+                backend_code(e)
+            }
+            Self::Report(ReportError::Save(_) | ReportError::Figure(_)) => RESOURCE,
+            Self::Report(_) => INPUT,
+            Self::Save(_) | Self::NoFolder { .. } | Self::Folder { .. } => RESOURCE,
         })
     }
 }

@@ -18,6 +18,7 @@ mod progress;
 mod radiosity_args;
 mod relight;
 mod render;
+mod report;
 mod scatter_args;
 
 use clap::{Parser, Subcommand};
@@ -45,6 +46,8 @@ enum Verb {
     Bake(bake::Args),
     /// Relight a baked scene: indirect light of new lights without tracing its bounces
     Relight(relight::Args),
+    /// Measure speed against error on a scene: every method, backend and codec that applies
+    Report(report::Args),
     /// Compare two images by every metric; exit 1 above a limit
     Compare(compare::Args),
     /// Run the conformance suite on a backend
@@ -68,6 +71,7 @@ pub fn main() -> ExitCode {
         Verb::Illuminate(args) => illuminate::run(args),
         Verb::Bake(args) => bake::run(args),
         Verb::Relight(args) => relight::run(args),
+        Verb::Report(args) => report::run(args),
         Verb::Compare(args) => compare::run(args),
         Verb::Conformance(args) => conformance::run(args),
         Verb::Adapters(args) => adapters::run(args),

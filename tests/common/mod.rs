@@ -26,6 +26,23 @@ pub fn shared_scenes() -> Option<PathBuf> {
     Some(path)
 }
 
+/// The wgpu backend on the best adapter; nothing where there is none, which is said, and is a failure under `ETENDUE_REQUIRE_WGPU=1`.
+#[cfg(feature = "wgpu")]
+pub fn device() -> Option<Box<dyn etendue::core::backend::Backend>> {
+    use etendue::core::backend::BackendError;
+    use etendue::engine::{BackendKind, open_backend};
+    match open_backend(BackendKind::Wgpu, None) {
+        Ok(backend) => Some(backend),
+        Err(BackendError::NoAdapter { wanted }) => {
+            let required = std::env::var("ETENDUE_REQUIRE_WGPU").is_ok_and(|x| x == "1");
+            assert!(!required, "no adapter ({wanted}), and ETENDUE_REQUIRE_WGPU=1 wants one");
+            eprintln!("SKIPPED: no adapter ({wanted})");
+            None
+        }
+        Err(e) => panic!("an adapter without a device: {e}"),
+    }
+}
+
 #[cfg(feature = "cli")]
 pub use command::*;
 

@@ -71,18 +71,31 @@ impl Gpu {
     /// The same for words from a place in the buffer on.
     pub(crate) fn submit_and_read_from(
         &self,
-        mut encoder: wgpu::CommandEncoder,
+        encoder: wgpu::CommandEncoder,
         (from, first): (&Buffer, u64),
         words: u64,
     ) -> Pending {
-        let bytes = 4 * words;
+        self.submit_and_read_all(encoder, &[(from, first, words)])
+    }
+
+    /// The same for several runs of words, one after the other: of which buffer, from which word on, how many.
+    pub(crate) fn submit_and_read_all(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        runs: &[(&Buffer, u64, u64)],
+    ) -> Pending {
+        let words: u64 = runs.iter().map(|r| r.2).sum();
         let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("answer"),
-            size: bytes.max(LEAST),
+            size: (4 * words).max(LEAST),
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        encoder.copy_buffer_to_buffer(&from.raw, 4 * first, &staging, 0, bytes);
+        let mut at = 0;
+        for (from, first, words) in runs {
+            encoder.copy_buffer_to_buffer(&from.raw, 4 * first, &staging, at, 4 * words);
+            at += 4 * words;
+        }
         self.submit(encoder);
         let (send, answered) = channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| {

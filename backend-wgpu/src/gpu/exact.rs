@@ -20,21 +20,24 @@ impl Gpu {
             && self.device.adapter_info().backend == wgpu::Backend::Vulkan
     }
 
-    /// A shader module of WGSL text, for one of its entry points.
+    /// A shader module of WGSL text, for one of its entry points, and the bytes that the device is given.
     pub(super) fn module(
         &self,
         name: &str,
         entry: &str,
         text: String,
-    ) -> Result<wgpu::ShaderModule, BackendError> {
+    ) -> Result<(wgpu::ShaderModule, usize), BackendError> {
         if !self.is_exact() {
-            return Ok(self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            let bytes = text.len();
+            let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(name),
                 source: wgpu::ShaderSource::Wgsl(text.into()),
-            }));
+            });
+            return Ok((module, bytes));
         }
         let (words, [x, y, z]) =
             translate(&text, entry).map_err(|e| self.refused(format!("shader {name}: {e}")))?;
+        let bytes = 4 * words.len();
         let entry_points =
             vec![wgpu::PassthroughShaderEntryPoint { name: entry.into(), workgroup_size: (x, y, z) }];
         let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
@@ -47,7 +50,7 @@ impl Gpu {
         // meaning but that of reordering.
         #[allow(unsafe_code, reason = "wgpu takes SPIR-V by this door alone")]
         let module = unsafe { self.device.create_shader_module_passthrough(descriptor) };
-        Ok(module)
+        Ok((module, bytes))
     }
 }
 

@@ -52,6 +52,8 @@ pub(crate) struct PipelineKey {
 #[derive(Debug, Default)]
 pub(super) struct Pipelines {
     made: HashMap<PipelineKey, Arc<Pipeline>>,
+    /// Bytes of each one's shader.
+    bytes: Vec<(PipelineKey, usize)>,
 }
 
 impl Gpu {
@@ -73,10 +75,16 @@ impl Gpu {
         let text = Link { features: &features, mutations: &self.mutations, ..link }
             .text()
             .map_err(|e| self.refused(e.to_string()))?;
-        let module = self.scoped(|| self.module(&key.name, key.entry, text))?;
+        let (module, bytes) = self.scoped(|| self.module(&key.name, key.entry, text))?;
         let made = self.scoped(|| Ok(Arc::new(self.make(&key, &module, bindings))))?;
+        pipelines.bytes.push((key.clone(), bytes));
         pipelines.made.insert(key, made.clone());
         Ok(made)
+    }
+
+    /// What was made so far, and the bytes of the shaders as the device was given them.
+    pub(crate) fn shader_bytes(&self) -> Vec<(PipelineKey, usize)> {
+        self.pipelines.lock().unwrap_or_else(std::sync::PoisonError::into_inner).bytes.clone()
     }
 
     fn make(&self, key: &PipelineKey, module: &wgpu::ShaderModule, bindings: &[Binding]) -> Pipeline {

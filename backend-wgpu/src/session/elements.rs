@@ -30,14 +30,7 @@ impl ElementBuffers {
         elements: Arc<Elements>,
     ) -> Result<Self, BackendError> {
         let (places, nodes) = elements.parts();
-        let mut words = Vec::with_capacity(4 * places.len() + nodes.len());
-        let mut divisions = 0_u64;
-        for (place, primitive) in places.iter().zip(0..) {
-            let area = scene.primitive_area(primitive).to_bits();
-            // There are no more than 2^31 divisions.
-            words.extend([place.first, place.divisions, divisions as u32, area]);
-            divisions += u64::from(elements.cells(primitive));
-        }
+        let (mut words, divisions) = place_words(scene, &elements);
         let first_node = words.len() as u32;
         words.extend(nodes);
         let first_light = words.len() as u32;
@@ -57,6 +50,20 @@ impl ElementBuffers {
         let primitives = places.len() as u64;
         Ok(Self { elements, words, word_count, primitives, divisions, nodes: first_node, lights })
     }
+}
+
+/// Four words of each primitive, and the divisions of all.
+pub(super) fn place_words(scene: &CompiledScene, elements: &Elements) -> (Vec<u32>, u64) {
+    let places = elements.parts().0;
+    let mut words = Vec::with_capacity(4 * places.len());
+    let mut divisions = 0_u64;
+    for (place, primitive) in places.iter().zip(0..) {
+        let area = scene.primitive_area(primitive).to_bits();
+        // There are no more than 2^31 divisions.
+        words.extend([place.first, place.divisions, divisions as u32, area]);
+        divisions += u64::from(elements.cells(primitive));
+    }
+    (words, divisions)
 }
 
 /// The elements that were asked for last, and on which device they are: the next job has them too, most likely.

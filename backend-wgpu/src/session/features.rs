@@ -17,5 +17,23 @@ pub(crate) fn of(scene: &CompiledScene) -> Vec<&'static str> {
         (needs.grids, "GRIDS"),
         (needs.grids && scene.grids.iter().any(|g| g.channels == 3), "COLOURED_GRIDS"),
     ];
-    all.into_iter().filter(|f| f.0).map(|f| f.1).collect()
+    chosen(&all)
+}
+
+fn chosen(all: &[(bool, &'static str)]) -> Vec<&'static str> {
+    all.iter().filter(|f| f.0).map(|f| f.1).collect()
+}
+
+/// Features of waves from both ends. `DETAIL` is core's choice of formulas: one instance for all media but among diffuse surfaces of one colour.
+pub(crate) fn of_both_ends(scene: &CompiledScene, cutoff: bool, search: bool) -> Vec<&'static str> {
+    let code = TransportCode::of(&scene.needs);
+    let detail = code.textures || code.shading_normals || (scene.needs.volume() && code.lobes);
+    let mut all = of(scene);
+    all.extend(chosen(&[
+        (true, "BIDIRECTIONAL"),
+        (detail, "DETAIL"),
+        (cutoff, "CUTOFF"),
+        (search, "SEARCH"),
+    ]));
+    all
 }

@@ -4,7 +4,7 @@ use super::elements::ElementBuffers;
 use super::path::PathTask;
 use super::scene::SceneBuffers;
 use super::task::{Portion, Task as _};
-use super::wave::{Behind, GATHER, GATHER_VOLUME, PathStart};
+use super::wave::{Behind, Form, PathStart};
 use crate::gpu::Gpu;
 use etendue_core::backend::{BackendError, Control, JobStats, PathJob};
 use etendue_core::film::Film;
@@ -130,8 +130,7 @@ impl Map<'_> {
         film: Film,
     ) -> Result<(Film, JobStats), BackendError> {
         let behind = self.behind(scene, job, target);
-        let form = if scene.needs.volume() { &GATHER_VOLUME } else { &GATHER };
-        let form = (form, target.start(), behind);
+        let form = (Form::gather(scene), target.start(), behind);
         PathTask::with(gpu, scene, buffers, job, form, film)?.drive(control)
     }
 }

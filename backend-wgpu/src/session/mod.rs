@@ -1,5 +1,6 @@
 //! A scene on a device, and the jobs on it.
 
+mod bidirectional;
 mod direct;
 mod elements;
 mod features;
@@ -7,6 +8,8 @@ mod gather;
 mod maps;
 mod path;
 mod photons;
+mod reach;
+mod rows;
 mod scene;
 mod task;
 mod wave;
@@ -19,29 +22,34 @@ pub use path::PathTask;
 pub use photons::PhotonTask;
 pub(crate) use scene::SceneBuffers;
 pub use task::Step;
-pub(crate) use wave::PathStart;
+pub(crate) use wave::{Estimator, PathStart};
 
 use crate::gpu::{Gpu, Source};
 use crate::relight::Prepared;
+use bidirectional::BothEnds;
 use elements::KeptElements;
 use etendue_core::backend::{
-    self, BackendError, Control, GatherJob, GivenMap, JobStats, PathJob, PhotonJob, Probe, Session,
-    check_probes,
+    self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob,
+    PhotonJob, Probe, Session, check_probes,
 };
 use etendue_core::film::{Film, FilmError, FilmSettings};
-use etendue_core::geometry::Intersector;
 use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
-use etendue_core::radiosity::patches::PatchMap;
-use etendue_core::radiosity::relight::{RelightError, Relighter, Workspace};
-use etendue_core::radiosity::transfer::{self, PatchGrid, Transfer};
+use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
+use etendue_core::radiosity::form_factors::reach::Walks;
+use etendue_core::radiosity::form_factors::{FormFactors, Row};
+use etendue_core::radiosity::patches::{PatchMap, PatchSettings};
+use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Workspace};
+use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
+use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, Forecast, Subdivision};
-use etendue_core::transport::volume::{LightMedia, Surroundings, probe_starts};
+use etendue_core::transport::volume::{LightMedia, SingleScatter, Surroundings, has_airlight, probe_starts};
+use etendue_cpu::Radiosity;
 use etendue_tree::WideTree;
 use gather::Target;
 use maps::KeptShot;
-use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use task::Task as _;
@@ -60,6 +68,8 @@ pub struct WgpuSession {
     media: OnceLock<LightMedia>,
     shot: KeptShot,
     operators: Prepared,
+    /// What of a bake the host does.
+    host: Radiosity,
 }
 
 impl WgpuSession {
@@ -79,6 +89,7 @@ impl WgpuSession {
             shot: KeptShot::default(),
             sent: Mutex::new(None),
             operators: Prepared::default(),
+            host: Radiosity::default(),
         };
         let start = Instant::now();
         session.source.clone().run(|gpu| session.buffers(gpu))?;
@@ -102,12 +113,24 @@ impl WgpuSession {
     fn task(
         &self,
         gpu: &Arc<Gpu>,
-        job: &PathJob,
+        job: (&PathJob, &Estimator),
         start: PathStart,
         settings: &FilmSettings,
     ) -> Result<PathTask, BackendError> {
         let buffers = self.buffers(gpu)?;
         PathTask::new(gpu, &self.scene, &buffers, job, start, Film::new(*settings))
+    }
+
+    fn both_ends(&self, job: &BidirectionalJob) -> Estimator {
+        let media = LightMedia::new(&self.scene, &self.tree, self.surroundings.outside);
+        Estimator::BothEnds(BothEnds::new(job, &self.scene, &media))
+    }
+
+    /// What the walk cannot see in two edges, or there is none of, is not summed.
+    fn airlight(&self, job: &PathJob, single: SingleScatter) -> Result<Estimator, BackendError> {
+        single.check()?;
+        let any = job.max_depth >= 2 && has_airlight(&self.scene);
+        Ok(if any { Estimator::Airlight(single) } else { Estimator::Path })
     }
 
     /// An image as a task that never waits; [`PathTask::step`] drives it, within a host's frame loop say.
@@ -117,7 +140,22 @@ impl WgpuSession {
     pub fn path_image_task(&self, job: &PathJob) -> Result<PathTask, BackendError> {
         let settings = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
-        self.task(&self.source.gpu(), job, self.image(settings.width), &settings)
+        self.task(&self.source.gpu(), (job, &Estimator::Path), self.image(settings.width), &settings)
+    }
+
+    /// An image with summed airlight as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`Session::airlight_image`].
+    pub fn airlight_image_task(
+        &self,
+        job: &PathJob,
+        single: SingleScatter,
+    ) -> Result<PathTask, BackendError> {
+        let estimator = self.airlight(job, single)?;
+        let settings = backend::image_film_settings(&self.scene, job)?;
+        self.check_paths(job)?;
+        self.task(&self.source.gpu(), (job, &estimator), self.image(settings.width), &settings)
     }
 
     /// Probes as a task that never waits.
@@ -127,7 +165,33 @@ impl WgpuSession {
     pub fn path_probes_task(&self, job: &PathJob, probes: &[Probe]) -> Result<PathTask, BackendError> {
         let settings = backend::probe_film_settings(&self.scene, job, probes.len());
         self.check_paths(job)?;
-        self.task(&self.source.gpu(), job, self.probes(probes)?, &settings)
+        self.task(&self.source.gpu(), (job, &Estimator::Path), self.probes(probes)?, &settings)
+    }
+
+    /// An image from both ends as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`Session::bidirectional_image`].
+    pub fn bidirectional_image_task(&self, job: &BidirectionalJob) -> Result<PathTask, BackendError> {
+        let settings = backend::image_film_settings(&self.scene, &job.path)?;
+        self.check_paths(&job.path)?;
+        let estimator = self.both_ends(job);
+        self.task(&self.source.gpu(), (&job.path, &estimator), self.image(settings.width), &settings)
+    }
+
+    /// Probes from both ends as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`Session::bidirectional_probes`].
+    pub fn bidirectional_probes_task(
+        &self,
+        job: &BidirectionalJob,
+        probes: &[Probe],
+    ) -> Result<PathTask, BackendError> {
+        let settings = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        self.check_paths(&job.path)?;
+        let estimator = self.both_ends(job);
+        self.task(&self.source.gpu(), (&job.path, &estimator), self.probes(probes)?, &settings)
     }
 
     /// Direct irradiance as a task that never waits.
@@ -179,7 +243,7 @@ impl WgpuSession {
 
     fn run(
         &self,
-        job: &PathJob,
+        job: (&PathJob, &Estimator),
         start: &PathStart,
         control: &dyn Control,
         film: &mut Film,
@@ -220,7 +284,7 @@ impl Session for WgpuSession {
         let expected = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
         same_film(film, &expected)?;
-        self.run(job, &self.image(expected.width), control, film)
+        self.run((job, &Estimator::Path), &self.image(expected.width), control, film)
     }
 
     fn path_probes(
@@ -233,7 +297,48 @@ impl Session for WgpuSession {
         let expected = backend::probe_film_settings(&self.scene, job, probes.len());
         self.check_paths(job)?;
         same_film(film, &expected)?;
-        self.run(job, &self.probes(probes)?, control, film)
+        self.run((job, &Estimator::Path), &self.probes(probes)?, control, film)
+    }
+
+    fn airlight_image(
+        &self,
+        job: &PathJob,
+        single: SingleScatter,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let estimator = self.airlight(job, single)?;
+        let expected = backend::image_film_settings(&self.scene, job)?;
+        self.check_paths(job)?;
+        same_film(film, &expected)?;
+        self.run((job, &estimator), &self.image(expected.width), control, film)
+    }
+
+    fn bidirectional_image(
+        &self,
+        job: &BidirectionalJob,
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::image_film_settings(&self.scene, &job.path)?;
+        self.check_paths(&job.path)?;
+        same_film(film, &expected)?;
+        let estimator = self.both_ends(job);
+        self.run((&job.path, &estimator), &self.image(expected.width), control, film)
+    }
+
+    fn bidirectional_probes(
+        &self,
+        job: &BidirectionalJob,
+        probes: &[Probe],
+        control: &dyn Control,
+        film: &mut Film,
+    ) -> Result<JobStats, BackendError> {
+        let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
+        self.check_paths(&job.path)?;
+        same_film(film, &expected)?;
+        let estimator = self.both_ends(job);
+        self.run((&job.path, &estimator), &self.probes(probes)?, control, film)
     }
 
     fn direct_irradiance(
@@ -314,14 +419,66 @@ impl Session for WgpuSession {
         self.read(job, map, (&expected, Target::Probes(&places)), control, film)
     }
 
-    fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {
-        // Once for an operator, by a few short rays an element: the host's tree is at hand.
-        let (grid, places) = (PatchGrid::new(map), transfer::places(&self.scene, map));
-        let weights = |element: usize| match Transfer::place(map, &places, element) {
-            Some(place) => grid.weights(map, place, |ray| self.tree.occluded(ray)),
-            None => Vec::new(),
+    fn patches(&self, settings: &PatchSettings) -> Result<PatchMap, BackendError> {
+        let elements = self.elements(&settings.elements(&self.scene));
+        let walker = |walks: &Walks, reached: &[AtomicBool]| {
+            self.source.run(|gpu| {
+                let buffers = self.buffers(gpu)?;
+                reach::walk(gpu, &self.scene, &buffers, &elements, walks, reached)
+            })
         };
-        Ok(Transfer::new((0..map.elements.count()).into_par_iter().map(weights).collect()))
+        self.host.patches_by((&self.scene, &self.tree), elements.clone(), settings, &walker)
+    }
+
+    fn form_factors(
+        &self,
+        map: &PatchMap,
+        job: &FormFactorJob,
+        control: &dyn Control,
+    ) -> Result<Vec<Row>, BackendError> {
+        self.source.run(|gpu| {
+            let buffers = self.buffers(gpu)?;
+            rows::form_factors(gpu, &self.scene, &buffers, map, job, control)
+        })
+    }
+
+    fn near_form_factors(
+        &self,
+        map: &PatchMap,
+        pairs: &[[u32; 2]],
+        settings: &NearSettings,
+        control: &dyn Control,
+    ) -> Result<Vec<NearPair>, BackendError> {
+        self.host.near_form_factors((&self.scene, &self.tree), map, pairs, settings, control)
+    }
+
+    fn transfer(&self, map: &PatchMap) -> Result<Transfer, BackendError> {
+        Ok(self.host.transfer((&self.scene, &self.tree), map))
+    }
+
+    fn rate_curves(&self, symmetric: &Symmetric<'_>) -> RateCurves {
+        self.host.rate_curves(symmetric)
+    }
+
+    fn tiles(
+        &self,
+        symmetric: &Symmetric<'_>,
+        want: &(dyn Fn(usize, usize) -> Kind + Sync),
+    ) -> Result<Tiles, TileError> {
+        self.host.tiles(symmetric, want)
+    }
+
+    fn with_coarse(&self, relighter: Relighter, rates: Rates) -> Result<Relighter, RelightError> {
+        relighter.with_coarse(self.host.linear(), rates)
+    }
+
+    fn encode_blocks(
+        &self,
+        form_factors: &FormFactors,
+        albedo: &[[f32; 3]],
+        settings: &blocks::Settings<'_>,
+    ) -> Result<BlockOperator, BlockError> {
+        BlockOperator::encode(self.host.linear(), form_factors, albedo, settings)
     }
 
     fn relight(

@@ -1,23 +1,27 @@
 //! Paths on the device: waves of slots, small submissions, and block means that the host adds up as the CPU does.
 
+use super::bidirectional::{self, Plan, Room};
 use super::scene::SceneBuffers;
 use super::task::{Pace, Step, Task, WORKGROUP, is_played};
-use super::wave::{Behind, Form, PathStart, Wave};
+use super::wave::{self, Behind, Estimator, Form, PathStart, Wave};
 use crate::gpu::{Buffer, Gpu, Pending};
 use etendue_core::backend::{BackendError, JobStats, PathJob};
 use etendue_core::film::Film;
 use etendue_core::scene::CompiledScene;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Words that the host reads of each: what was measured, and rays.
 const READ: u64 = 4;
-/// Words that shaders ask of a job.
+/// Words that shaders ask of a job, and those behind them that not all estimators have.
 const JOB_WORDS: usize = 16;
+const MORE_WORDS: usize = bidirectional::JOB_WORDS;
 /// Words before the lists of a queue.
 const QUEUE_HEAD: u64 = 4;
-/// Slots of a wave on a device of its own, and on one that the processor plays.
+/// Slots of a wave on a device of its own, and on one that the processor plays; and of one with samples from both ends.
 const SLOTS: [u64; 2] = [1 << 18, 1 << 15];
+const SLOTS_OF_BOTH_ENDS: [u64; 2] = [1 << 16, 1 << 13];
 /// Steps of one submission at most.
 const STEPS_MAX: u64 = 64;
 
@@ -40,17 +44,21 @@ struct Part {
     samples: u32,
 }
 
-/// A job of paths, in steps that never wait: for hosts with a frame loop. [`super::WgpuSession`] makes them.
+/// A job of paths, or of samples from both ends, in steps that never wait: for hosts with a frame loop. [`super::WgpuSession`] makes them.
 #[derive(Debug)]
 pub struct PathTask {
     gpu: Arc<Gpu>,
     job: PathJob,
     start: PathStart,
-    form: &'static Form,
+    form: Form,
     /// Where probes begin behind the states, and whether each block has one slot more.
     probes: u32,
     once: bool,
     wave: Wave,
+    /// What the estimator asks of a job beside what all do.
+    more: [u32; MORE_WORDS],
+    /// Of samples from both ends.
+    room: Option<Room>,
     slots: u64,
     uniform: Buffer,
     states: Buffer,
@@ -76,46 +84,85 @@ impl PathTask {
         gpu: &Arc<Gpu>,
         scene: &CompiledScene,
         buffers: &SceneBuffers,
-        job: &PathJob,
+        (job, estimator): (&PathJob, &Estimator),
         start: PathStart,
         film: Film,
     ) -> Result<Self, BackendError> {
-        let form = Form::of(scene);
+        let mut asked = [0; MORE_WORDS];
+        let mut plan = None;
+        let form = match estimator {
+            Estimator::Path => Form::paths(scene),
+            Estimator::Airlight(single) => {
+                asked[..2].copy_from_slice(&wave::airlight_words(*single));
+                Form::airlight(scene)
+            }
+            Estimator::BothEnds(ends) => plan.insert(Plan::new(scene, ends, job.max_depth)).form.clone(),
+        };
         let behind = Behind { words: form.probe_words(&start), ..Behind::default() };
-        Self::with(gpu, scene, buffers, job, (form, start, behind), film)
+        Self::make(gpu, (scene, buffers), job, (form, start, behind), (plan, asked), film)
     }
 
-    /// The same of any form.
+    /// Paths of any form.
     pub(super) fn with(
         gpu: &Arc<Gpu>,
         scene: &CompiledScene,
         buffers: &SceneBuffers,
         job: &PathJob,
-        (form, start, behind): (&'static Form, PathStart, Behind),
+        form: (Form, PathStart, Behind),
+        film: Film,
+    ) -> Result<Self, BackendError> {
+        Self::make(gpu, (scene, buffers), job, form, (None, [0; MORE_WORDS]), film)
+    }
+
+    fn make(
+        gpu: &Arc<Gpu>,
+        (scene, buffers): (&CompiledScene, &SceneBuffers),
+        job: &PathJob,
+        (form, start, behind): (Form, PathStart, Behind),
+        (plan, asked): (Option<Plan>, [u32; MORE_WORDS]),
         film: Film,
     ) -> Result<Self, BackendError> {
         let elements = film.len() as u64;
-        let (words, once) = (&behind.words, behind.once);
+        let (more, once) = (behind.words.len() as u64, behind.once);
         let paths = elements * u64::from(job.blocks.end - job.blocks.start) * u64::from(job.block_length);
-        let slots = slots(gpu, form.rows, paths + u64::from(once) * elements, words.len() as u64)?;
-        let wave = Wave::new(gpu, form, scene, buffers.stack)?;
+        let (own, beside) = plan.as_ref().map_or((form.rows, 0), Plan::words);
+        let wanted = if plan.is_some() { SLOTS_OF_BOTH_ENDS } else { SLOTS };
+        let slots = slots(gpu, wanted, own, paths + u64::from(once) * elements, beside + more)?;
+        let wave = Wave::new(gpu, &form, buffers.stack)?;
+        let first = form.rows * slots;
+        let (behind_probes, behind_lists) = (first + more, QUEUE_HEAD + 2 * slots);
+        let is_image = matches!(start, PathStart::Image { .. });
+        let room = plan.map(|plan| {
+            plan.room(scene, (job, film.settings()), (slots, is_image), (behind_probes, behind_lists))
+        });
+        let asked = room.as_ref().map_or(asked, |room| room.words);
+        let (state_words, queue_words) =
+            room.as_ref().map_or((behind_probes, behind_lists), |room| (room.states, room.queue));
         let g = gpu.clone();
         g.scoped(|| {
-            let states = gpu.room("states", form.rows * slots + words.len() as u64)?;
-            let at = 4 * form.rows * slots;
-            if !words.is_empty() {
-                gpu.queue.write_buffer(&states.raw, at, bytemuck::cast_slice(words));
+            let states = gpu.room("states", state_words)?;
+            let queue = gpu.room("queue", queue_words)?;
+            let (lights, free): (&[u32], &[u32]) =
+                room.as_ref().map_or((&[], &[]), |room| (&room.lights, &room.free));
+            for (buffer, at, words) in [
+                (&states, first, &behind.words[..]),
+                (&states, behind_probes, lights),
+                (&queue, behind_lists, free),
+            ] {
+                if !words.is_empty() {
+                    gpu.queue.write_buffer(&buffer.raw, 4 * at, bytemuck::cast_slice(words));
+                }
             }
             if let Some((place, elements)) = &behind.elements {
                 let mut encoder = gpu.encoder();
                 let (from, size) = (&elements.words.raw, 4 * elements.word_count);
-                encoder.copy_buffer_to_buffer(from, 0, &states.raw, at + 4 * *place as u64, size);
+                let at = 4 * (first + *place as u64);
+                encoder.copy_buffer_to_buffer(from, 0, &states.raw, at, size);
                 gpu.submit(encoder);
             }
-            let queue = gpu.room("queue", QUEUE_HEAD + 2 * slots)?;
             let groups = gpu.room("groups", 4)?;
-            let uniform = gpu.uniform("job", &[0; JOB_WORDS]);
-            // The three pipelines have one layout in content; each its own object.
+            let uniform = gpu.uniform("job", &[0; JOB_WORDS + MORE_WORDS]);
+            // The pipelines have one layout in content; each its own object.
             let group = gpu.bind(&wave.start, &buffers.bound(&uniform, [&states, &queue]));
             let turn_group = gpu.bind(&wave.turn, &[&queue, &groups]);
             Ok(Self {
@@ -126,6 +173,8 @@ impl PathTask {
                 probes: behind.probes as u32,
                 once,
                 wave,
+                more: asked,
+                room,
                 slots,
                 uniform,
                 states,
@@ -182,7 +231,7 @@ impl PathTask {
             Waiting::Queue(_, sent) => {
                 self.pace.took(self.pace.amount(), sent.elapsed());
                 let asking = words.get(words.get(2).map_or(0, |turn| *turn as usize & 1)).copied();
-                let next = if asking == Some(0) { self.read() } else { self.go_on() };
+                let next = if asking == Some(0) { self.read(part) } else { self.go_on() };
                 self.running = Some((part, next));
                 Ok(Step::Working)
             }
@@ -230,7 +279,7 @@ impl PathTask {
             PathStart::Probes(_) => (0, [0; 3]),
         };
         let probes = if width == 0 { (self.form.rows * self.slots) as u32 + self.probes } else { 0 };
-        let words: [u32; JOB_WORDS] = [
+        let own: [u32; JOB_WORDS] = [
             self.job.seed as u32,
             (self.job.seed >> 32) as u32,
             self.slots as u32,
@@ -248,9 +297,12 @@ impl PathTask {
             c,
             0,
         ];
-        self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&words));
+        self.gpu.queue.write_buffer(&self.uniform.raw, 0, bytemuck::cast_slice(&[own, self.more]));
         self.gpu.queue.write_buffer(&self.queue.raw, 0, bytemuck::cast_slice(&[0_u32; 4]));
         let mut encoder = self.gpu.encoder();
+        for (at, words) in self.sums(self.blocks_begun(part)) {
+            encoder.clear_buffer(&self.queue.raw, 4 * at, Some(4 * words));
+        }
         self.pass(&mut encoder, |pass| {
             pass.set_pipeline(&self.wave.start.raw);
             pass.set_bind_group(0, &self.group, &[]);
@@ -278,7 +330,7 @@ impl PathTask {
     fn steps_into(&self, mut encoder: wgpu::CommandEncoder) -> Waiting {
         self.pass(&mut encoder, |pass| {
             for _ in 0..self.pace.amount() {
-                for pipeline in [&self.wave.trace, &self.wave.advance] {
+                for pipeline in &self.wave.step {
                     pass.set_pipeline(&pipeline.raw);
                     pass.set_bind_group(0, &self.group, &[]);
                     pass.dispatch_workgroups_indirect(&self.groups.raw, 0);
@@ -290,14 +342,41 @@ impl PathTask {
         Waiting::Queue(self.gpu.submit_and_read(encoder, &self.queue, 3), sent)
     }
 
-    fn read(&self) -> Waiting {
-        Waiting::Results(self.gpu.submit_and_read(self.gpu.encoder(), &self.states, READ * self.slots))
+    fn read(&self, part: Part) -> Waiting {
+        let mut runs = vec![(&self.states, 0, READ * self.slots)];
+        runs.extend(self.sums(self.blocks_done(part)).iter().map(|(at, words)| (&self.queue, *at, *words)));
+        Waiting::Results(self.gpu.submit_and_read_all(self.gpu.encoder(), &runs))
+    }
+
+    /// Where the sums of blocks lie, of which there are none but for samples from both ends.
+    fn sums(&self, blocks: Range<u32>) -> Vec<(u64, u64)> {
+        self.room.as_ref().map_or_else(Vec::new, |room| room.sums(blocks))
+    }
+
+    /// The block of a unit; of what is behind the last one, the block after it.
+    fn block(&self, unit: u64) -> u32 {
+        self.job.blocks.start + (unit / self.elements.max(1)) as u32
+    }
+
+    /// Blocks whose first sample is in this part.
+    fn blocks_begun(&self, part: Part) -> Range<u32> {
+        let before = u64::from(part.first_sample > 0) + self.elements.max(1) - 1;
+        self.block(part.first_unit + before)
+            ..self.block(part.first_unit + part.units + self.elements.max(1) - 1)
+    }
+
+    /// Blocks whose last sample is in this part.
+    fn blocks_done(&self, part: Part) -> Range<u32> {
+        let whole = part.first_sample + part.samples == self.job.block_length;
+        let done = if whole { part.units } else { 0 };
+        self.block(part.first_unit)..self.block(part.first_unit + done)
     }
 
     /// Adds up what the slots measured, in the order of the samples: the CPU's sums.
     fn take(&mut self, part: Part, words: &[u32]) -> Result<(), BackendError> {
         let slots = self.slots as usize;
-        let (measured, rays) = words.split_at((3 * slots).min(words.len()));
+        let (measured, more) = words.split_at((3 * slots).min(words.len()));
+        let (rays, mut landed) = more.split_at(slots.min(more.len()));
         let mut slot = 0;
         for _ in 0..part.units {
             let mut once = [0.0; 3];
@@ -323,7 +402,10 @@ impl PathTask {
             let length = f64::from(self.job.block_length.max(1));
             self.means.push([0, 1, 2].map(|c| sum[c] / length + once[c]));
             if self.means.len() as u64 == self.elements {
-                let block = self.job.blocks.start + ((self.next.0 - 1) / self.elements) as u32;
+                let block = self.block(self.next.0 - 1);
+                if let Some(room) = &self.room {
+                    landed = room.add(&mut self.means, landed, self.job.block_length);
+                }
                 self.film.add_blocks(block..block + 1, &self.means)?;
                 self.means.clear();
             }
@@ -353,8 +435,7 @@ impl Task for PathTask {
 }
 
 /// Slots of a wave, of so many rows: what the job has use for, and what fits beside `more` words.
-fn slots(gpu: &Gpu, rows: u64, paths: u64, more: u64) -> Result<u64, BackendError> {
-    let [own, played] = SLOTS;
+fn slots(gpu: &Gpu, [own, played]: [u64; 2], rows: u64, paths: u64, more: u64) -> Result<u64, BackendError> {
     let wanted = paths
         .next_multiple_of(u64::from(WORKGROUP))
         .clamp(u64::from(WORKGROUP), if is_played(gpu) { played } else { own });

@@ -1,5 +1,6 @@
 //! The shaders of a wave, and what the words of its states and probes are.
 
+use super::bidirectional::BothEnds;
 use super::elements::ElementBuffers;
 use super::features;
 use super::scene::OFFSETS;
@@ -10,6 +11,7 @@ use etendue_core::backend::BackendError;
 use etendue_core::medium::Inside;
 use etendue_core::scene::CompiledScene;
 use etendue_core::transport::ProbeStart;
+use etendue_core::transport::volume::{Rule, SingleScatter};
 use std::sync::Arc;
 
 /// What the paths of a job start from.
@@ -23,24 +25,39 @@ pub(crate) enum PathStart {
     Probes(Vec<ProbeStart>),
 }
 
-/// One of the tracers of paths: surfaces alone need smaller states than media, and what reads a map others.
-#[derive(Debug, PartialEq, Eq)]
+/// What waves estimate.
+#[derive(Clone, Debug)]
+pub(crate) enum Estimator {
+    /// Paths from the sensor.
+    Path,
+    /// The same with summed airlight, of a camera.
+    Airlight(SingleScatter),
+    /// Samples from both ends.
+    BothEnds(BothEnds),
+}
+
+/// A rule and its nodes, as shaders have them (`transport/volume/airlight/rule.wgsl`).
+pub(super) fn airlight_words(single: SingleScatter) -> [u32; 2] {
+    let rule = match single.rule {
+        Rule::Trapezoid => 0,
+        Rule::PlainTrapezoid => 1,
+        Rule::Equiangular => 2,
+    };
+    [rule, single.nodes]
+}
+
+/// One of the tracers: surfaces alone need smaller states than media, and what reads a map others.
+#[derive(Clone, Debug)]
 pub(crate) struct Form {
-    /// The file of its entry points.
+    /// The file of its entry points, and those of a step after `trace`.
     module: &'static str,
+    parts: &'static [&'static str],
     /// Words of a state.
     pub(crate) rows: u64,
     /// Probes say what they lie in.
     media: bool,
-    features: &'static [&'static str],
+    features: Vec<&'static str>,
 }
-
-const SURFACES: Form = Form { module: "wavefront::path", rows: 33, media: false, features: &[] };
-const VOLUME: Form = Form { module: "wavefront::volume", rows: 45, media: true, features: &[] };
-pub(crate) const GATHER: Form =
-    Form { module: "wavefront::gather", rows: 45, media: false, features: &["GATHER", "JOB_COUNTS"] };
-
-pub(crate) const GATHER_VOLUME: Form = Form { rows: 65, ..GATHER };
 
 /// What the paths of a job read beside the scene, behind their states: words, and where among them those of probes begin.
 #[derive(Clone, Debug, Default)]
@@ -54,9 +71,38 @@ pub(super) struct Behind {
 }
 
 impl Form {
-    /// That which carries what a scene needs.
-    pub(crate) fn of(scene: &CompiledScene) -> &'static Self {
-        if scene.needs.volume() { &VOLUME } else { &SURFACES }
+    /// Paths, with what a scene needs.
+    pub(crate) fn paths(scene: &CompiledScene) -> Self {
+        let media = scene.needs.volume();
+        let (module, rows) = if media { ("wavefront::volume", 45) } else { ("wavefront::path", 33) };
+        Self { module, parts: &["advance"], rows, media, features: features::of(scene) }
+    }
+
+    /// Paths that read a map.
+    pub(crate) fn gather(scene: &CompiledScene) -> Self {
+        let mut features = features::of(scene);
+        features.extend(["GATHER", "JOB_COUNTS"]);
+        let rows = if scene.needs.volume() { 65 } else { 45 };
+        Self { module: "wavefront::gather", parts: &["advance"], rows, media: false, features }
+    }
+
+    /// Paths through media with summed airlight.
+    pub(crate) fn airlight(scene: &CompiledScene) -> Self {
+        let mut features = features::of(scene);
+        features.push("AIRLIGHT");
+        let parts = &["advance", "airlight"];
+        Self { module: "wavefront::volume", parts, rows: 82, media: true, features }
+    }
+
+    /// Samples from both ends, with states of so many words.
+    pub(crate) fn both_ends(scene: &CompiledScene, features: Vec<&'static str>, rows: u64) -> Self {
+        let media = scene.needs.volume();
+        let parts: &[_] = if features.contains(&"SEARCH") {
+            &["arrive", "scatter", "join", "search"]
+        } else {
+            &["arrive", "scatter", "join"]
+        };
+        Self { module: "wavefront::bidirectional", parts, rows, media, features }
     }
 
     /// Position, extent and normal of each probe, and what it lies in.
@@ -79,32 +125,32 @@ impl Form {
 #[derive(Debug)]
 pub(crate) struct Wave {
     pub(crate) start: Arc<Pipeline>,
-    pub(crate) trace: Arc<Pipeline>,
-    pub(crate) advance: Arc<Pipeline>,
+    /// The parts of a step, in their order.
+    pub(crate) step: Vec<Arc<Pipeline>>,
     pub(crate) turn: Arc<Pipeline>,
 }
 
 impl Wave {
-    pub(crate) fn new(
-        gpu: &Gpu,
-        form: &Form,
-        scene: &CompiledScene,
-        stack: usize,
-    ) -> Result<Self, BackendError> {
-        let mut features = features::of(scene);
-        features.extend(form.features);
-        let module = form.module;
+    pub(crate) fn new(gpu: &Gpu, form: &Form, stack: usize) -> Result<Self, BackendError> {
+        let Form { module, features, .. } = form;
         let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use {module}\n");
         let name = format!("path {} stack {stack}", features.join(" "));
-        let link = Link { root: &root, features: &features, mutations: &[] };
+        let link = Link { root: &root, features, mutations: &[] };
         let bindings = bindings([Binding::Write, Binding::Write]);
         let pipeline = |entry| gpu.pipeline(PipelineKey { name: name.clone(), entry }, link, &bindings);
+        // Rays are the same for all scenes.
+        let root = format!("{OFFSETS}const TREE_STACK: u32 = {stack}u;\n//: use wavefront::slots\n");
+        let rays = Link { root: &root, features: &[], mutations: &[] };
+        let key = PipelineKey { name: format!("rays stack {stack}"), entry: "trace" };
+        let mut step = vec![gpu.pipeline(key, rays, &bindings)?];
+        for entry in form.parts {
+            step.push(pipeline(entry)?);
+        }
         let turn = Link { root: "//: use wavefront::turn\n", features: &[], mutations: &[] };
         let key = PipelineKey { name: "turn".into(), entry: "turn" };
         Ok(Self {
             start: pipeline("start")?,
-            trace: pipeline("trace")?,
-            advance: pipeline("advance")?,
+            step,
             turn: gpu.pipeline(key, turn, &[Binding::Write, Binding::Write])?,
         })
     }

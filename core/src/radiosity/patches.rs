@@ -52,6 +52,21 @@ pub struct Patches {
     cumulative: Vec<u32>,
 }
 
+/// Of what patches are made, for those who lay them down elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<'a> {
+    /// Patch of each element, or [`NO_PATCH`].
+    pub of: &'a [u32],
+    /// Members of patch p are at `first[p] .. first[p + 1]`.
+    pub first: &'a [u32],
+    /// Elements, patch by patch.
+    pub members: &'a [u32],
+    /// Primitive of each member.
+    pub primitives: &'a [u32],
+    /// Each patch's distribution of area over its members, in the words of [`pick_in`].
+    pub cumulative: &'a [u32],
+}
+
 /// Patches together with the elements that they are made of.
 #[derive(Clone, Debug)]
 pub struct PatchMap {
@@ -168,6 +183,17 @@ impl Patches {
     /// Patch of each element, or [`NO_PATCH`].
     pub fn of(&self) -> &[u32] {
         &self.of
+    }
+
+    /// What they are made of.
+    pub fn parts(&self) -> Parts<'_> {
+        Parts {
+            of: &self.of,
+            first: &self.first,
+            members: &self.members,
+            primitives: &self.primitives,
+            cumulative: &self.cumulative,
+        }
     }
 
     /// Areas \[m^2\].

@@ -174,15 +174,36 @@ pub struct Baked {
     pub stages: Vec<(&'static str, f64)>,
 }
 
-/// Bakes the operator of a session's scene.
+/// Form factors of a scene as they were counted and balanced: what all codecs store, each in its way.
+#[derive(Clone, Debug)]
+pub struct Counted {
+    /// Patches in the order of the tiles.
+    pub map: PatchMap,
+    /// Form factors between them.
+    pub form_factors: FormFactors,
+    /// Share of each patch that is not covered; see [`FormFactors::seen`].
+    pub seen: Vec<f32>,
+    /// What balancing did.
+    pub balance: Balance,
+    /// What codecs are measured by.
+    pub truth: Truth,
+    /// Rays of all patches.
+    pub rays: u64,
+    /// Seconds by stage.
+    pub stages: Vec<(&'static str, f64)>,
+    /// The order of the patches before they were put in that of the tiles.
+    voxels: Vec<u32>,
+}
+
+/// Counts the form factors of a session's scene; of the settings, the codec and its passes do not matter.
 ///
 /// # Errors
 /// [`BakeError`]; being stopped is one ([`BackendError::Cancelled`]).
-pub fn bake(
+pub fn count(
     session: &dyn Session,
     settings: &BakeSettings,
     watcher: &dyn Watcher,
-) -> Result<Baked, BakeError> {
+) -> Result<Counted, BakeError> {
     let mut clock = Clock::new();
     let map = session.patches(&settings.patches)?;
     if map.patches.is_empty() {
@@ -210,11 +231,48 @@ pub fn bake(
     let albedo: Vec<[f32; 3]> = map.patches.list().iter().map(|p| p.albedo).collect();
     let truth = Truth::new(session, &form_factors, &map, &albedo, settings.bounces)?;
     clock.done("exact");
-    let Encoded { transport, passes, error } =
-        encode(session, (&form_factors, &voxels), &truth, settings.codec, settings.passes)?;
-    clock.done("encode");
-    let operator = Operator { map, transport, escaped: form_factors.escaped.clone(), seen, passes };
-    Ok(Baked { operator, form_factors, balance, error, rays, stages: clock.stages })
+    Ok(Counted { map, form_factors, seen, balance, truth, rays, stages: clock.stages, voxels })
+}
+
+impl Counted {
+    /// The operator of a codec, what that costs, and the seconds it took.
+    ///
+    /// # Errors
+    /// Of form factors that make no operator.
+    pub fn store(
+        &self,
+        session: &dyn Session,
+        codec: Codec,
+        passes: Option<u32>,
+    ) -> Result<(Operator, CodecError, f64), BakeError> {
+        let start = Instant::now();
+        let Encoded { transport, passes, error } =
+            encode(session, (&self.form_factors, &self.voxels), &self.truth, codec, passes)?;
+        let operator = Operator {
+            map: self.map.clone(),
+            transport,
+            escaped: self.form_factors.escaped.clone(),
+            seen: self.seen.clone(),
+            passes,
+        };
+        Ok((operator, error, start.elapsed().as_secs_f64()))
+    }
+}
+
+/// Bakes the operator of a session's scene.
+///
+/// # Errors
+/// [`BakeError`]; being stopped is one ([`BackendError::Cancelled`]).
+pub fn bake(
+    session: &dyn Session,
+    settings: &BakeSettings,
+    watcher: &dyn Watcher,
+) -> Result<Baked, BakeError> {
+    let counted = count(session, settings, watcher)?;
+    let (operator, error, seconds) = counted.store(session, settings.codec, settings.passes)?;
+    let Counted { form_factors, balance, rays, mut stages, .. } = counted;
+    stages.push(("encode", seconds));
+    Ok(Baked { operator, form_factors, balance, error, rays, stages })
 }
 
 /// The inverse of a permutation.

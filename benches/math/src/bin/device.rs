@@ -1,10 +1,12 @@
-//! `cargo run --release -p etendue-benches --bin device [-- ADAPTER]`: rays, relighting and bytes per second of an adapter, the CPU beside it.
+//! `cargo run --release -p etendue-benches --bin device [-- ADAPTER]`: rays, paths, samples from both ends, form factors, relighting and bytes per second of an adapter, the CPU beside it.
 //!
 //! One line for each measurement; both take turns in one run, and medians are told. `ADAPTER` is a part of the adapter's name
 //! (`etendue adapters`); without it the best one is taken.
 #![allow(clippy::disallowed_methods, reason = "a program that prints")]
 
-use etendue::core::backend::{Backend, NoControl, PathJob, Session, image_film_settings};
+use etendue::core::backend::{
+    Backend, BidirectionalJob, FormFactorJob, JobStats, NoControl, PathJob, Session, image_film_settings,
+};
 use etendue::core::film::Film;
 use etendue::core::radiosity::patches::PatchSettings;
 use etendue::core::scene::{CompiledScene, compile};
@@ -34,13 +36,28 @@ fn scene(file: &str) -> Outcome<Arc<CompiledScene>> {
     Ok(Arc::new(scene))
 }
 
-/// Rays a second of an image by paths.
-fn rays(session: &dyn Session, seed: u64) -> Outcome<(f64, Film)> {
-    let job = PathJob { seed, block_length: 16, blocks: 0..SAMPLES / 16, max_depth: u32::MAX };
+/// From which end an image is traced.
+#[derive(Clone, Copy, Debug)]
+enum By {
+    Path,
+    Bdpt,
+}
+
+/// Rays and samples a second of an image.
+fn rates(session: &dyn Session, by: By, seed: u64) -> Outcome<([f64; 2], Film)> {
+    let samples = match by {
+        By::Path => SAMPLES,
+        By::Bdpt => SAMPLES / 2,
+    };
+    let job = PathJob { seed, block_length: 16, blocks: 0..samples / 16, max_depth: u32::MAX };
     let mut film = Film::new(image_film_settings(session.scene(), &job)?);
     let start = Instant::now();
-    let stats = session.path_image(&job, &NoControl, &mut film)?;
-    Ok((stats.rays as f64 / start.elapsed().as_secs_f64(), film))
+    let JobStats { rays, paths, .. } = match by {
+        By::Path => session.path_image(&job, &NoControl, &mut film)?,
+        By::Bdpt => session.bidirectional_image(&BidirectionalJob::new(job), &NoControl, &mut film)?,
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(([rays as f64 / seconds, paths as f64 / seconds], film))
 }
 
 fn print(what: &str, unit: &str, [ours, cpu]: [f64; 2], more: &str) {
@@ -54,30 +71,65 @@ fn main() -> Outcome<()> {
     println!("{} beside {}", device.info().adapter, cpu.info().adapter);
     let pair = [&*device, &*cpu];
     for file in ["cornell/closed.toml", "colonnade/lamps.toml"] {
-        paths(file, pair)?;
+        for by in [By::Path, By::Bdpt] {
+            image(file, by, pair)?;
+        }
+        form_factors(file, pair)?;
     }
     relight(pair)
 }
 
-fn paths(file: &str, pair: [&dyn Backend; 2]) -> Outcome<()> {
+fn image(file: &str, by: By, pair: [&dyn Backend; 2]) -> Outcome<()> {
     let scene = scene(file)?;
     let sessions = [pair[0].open(scene.clone())?, pair[1].open(scene)?];
-    let mut found = [Vec::new(), Vec::new()];
+    // Rays and samples, of the device and of the CPU.
+    let mut found = [[Vec::new(), Vec::new()], [Vec::new(), Vec::new()]];
     let mut equal = true;
     // The first turn makes pipelines and is not counted.
     for turn in 0..=TURNS {
         let mut films = Vec::new();
-        for (session, found) in sessions.iter().zip(&mut found) {
-            let (rate, film) = rays(&**session, turn as u64)?;
+        for (k, session) in sessions.iter().enumerate() {
+            let (rates, film) = rates(&**session, by, turn as u64)?;
             films.push(film);
             if turn > 0 {
-                found.push(1e-6 * rate);
+                for (found, rate) in found.iter_mut().zip(rates) {
+                    found[k].push(1e-6 * rate);
+                }
             }
         }
         equal &= films[0] == films[1];
     }
     let films = if equal { "; films equal to the last bit" } else { "; films differ in bits" };
-    print(&format!("paths, {file}"), "M rays/s", found.map(median), films);
+    let [rays, samples] = found;
+    print(&format!("{by:?}, {file}"), "M rays/s", rays.map(median), films);
+    print(&format!("{by:?}, {file}"), "M samples/s", samples.map(median), "");
+    Ok(())
+}
+
+/// Rays between patches, counted.
+fn form_factors(file: &str, pair: [&dyn Backend; 2]) -> Outcome<()> {
+    let scene = scene(file)?;
+    let sessions = [pair[0].open(scene.clone())?, pair[1].open(scene)?];
+    let map = sessions[1].patches(&PatchSettings { count: PATCHES / 2, seed: 0 })?;
+    let mut found = [Vec::new(), Vec::new()];
+    let mut equal = true;
+    for turn in 0..=TURNS {
+        let job = FormFactorJob { seed: turn as u64, rays: 256, patches: 0..u32::MAX };
+        let mut both = Vec::new();
+        for (session, found) in sessions.iter().zip(&mut found) {
+            let start = Instant::now();
+            let rows = session.form_factors(&map, &job, &NoControl)?;
+            let rays: f64 = rows.iter().map(|row| f64::from(row.rays)).sum();
+            if turn > 0 {
+                found.push(1e-6 * rays / start.elapsed().as_secs_f64());
+            }
+            both.push(rows);
+        }
+        equal &= both[0] == both[1];
+    }
+    let rows = if equal { "; rows equal" } else { "; rows differ" };
+    let what = format!("form factors, {file}, {} patches", map.patches.len());
+    print(&what, "M rays/s", found.map(median), rows);
     Ok(())
 }
 

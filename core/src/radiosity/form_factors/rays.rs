@@ -12,6 +12,12 @@ use alloc::vec::Vec;
 
 /// Most rays of a patch.
 pub const RAYS_MAX: u32 = 1 << 22;
+/// What a ray met that is no patch, in the place of one's number.
+pub const LOST: u32 = NO_PATCH;
+/// The same of a ray that met nothing.
+pub const ESCAPED: u32 = NO_PATCH - 1;
+/// The same of a ray that has no place to start from.
+pub const UNSENT: u32 = NO_PATCH - 2;
 
 /// What the rays of a patch met: counts are exact, and the same however rows are shared out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -24,6 +30,39 @@ pub struct Row {
     pub lost: u32,
     /// All rays.
     pub rays: u32,
+}
+
+impl Row {
+    /// Counts what `rays` rays met, told one by one in any order: the number of a patch, [`LOST`], [`ESCAPED`] or [`UNSENT`]. `counts` has a 0 for each patch, before and after.
+    #[inline(always)]
+    pub fn count(rays: u32, met: impl Iterator<Item = u32>, counts: &mut [u32]) -> Self {
+        let mut row = Self { rays, ..Self::default() };
+        for patch in met {
+            match counts.get_mut(patch as usize) {
+                Some(count) => {
+                    if *count == 0 {
+                        row.met.push((patch, 0));
+                    }
+                    *count += 1;
+                }
+                None if patch == ESCAPED => row.escaped += 1,
+                None if patch == UNSENT => {}
+                None => row.lost += 1,
+            }
+        }
+        row.met.sort_unstable();
+        for (patch, count) in &mut row.met {
+            *count = core::mem::take(&mut counts[*patch as usize]);
+        }
+        row
+    }
+}
+
+/// Rays of each patch where one of mean area has about `mean`; see [`share`].
+pub fn shares(patches: &Patches, mean: u32) -> Vec<u32> {
+    let list = patches.list();
+    let mean_area = list.iter().map(|p| f64::from(p.area)).sum::<f64>() / list.len().max(1) as f64;
+    list.iter().map(|p| share(mean, p.area, mean_area as f32)).collect()
 }
 
 /// Rays of a patch, a power of two: about `mean` times its area over the mean area, since what a pair gets is the rays of both; at least an eighth of `mean`.
@@ -55,38 +94,20 @@ pub fn trace<I: Intersector + ?Sized>(
     (seed, rays): (u64, u32),
     counts: &mut [u32],
 ) -> Row {
-    let mut row = Row { rays, ..Row::default() };
     let first = BlockSampler::new(seed, patch as u32, 0, 0);
     let [shift, _] = first.bits2(1);
     let bits = rays.trailing_zeros();
-    for i in 0..rays {
+    let met = |i: u32| {
         let [a, b, u, v] = first.with_index(i).group4(0);
         let Some((point, normal)) = patches.sample(scene, elements, patch, even_word(i, shift, bits), [a, b])
         else {
-            continue;
+            return UNSENT;
         };
         let direction = diffuse::sample(normal, [u, v]);
         let ray = Ray { origin: offset_origin(&point, normal, direction), direction, t_max: f32::INFINITY };
-        let Some(hit) = intersector.closest_hit(&ray) else {
-            row.escaped += 1;
-            continue;
-        };
-        let met = side_of(scene, elements, &ray, &hit)
-            .and_then(|e| patches.of().get(e as usize).copied())
-            .filter(|p| *p != NO_PATCH);
-        match met.and_then(|p| counts.get_mut(p as usize).map(|c| (p, c))) {
-            Some((p, count)) => {
-                if *count == 0 {
-                    row.met.push((p, 0));
-                }
-                *count += 1;
-            }
-            None => row.lost += 1,
-        }
-    }
-    row.met.sort_unstable();
-    for (p, n) in &mut row.met {
-        *n = core::mem::take(&mut counts[*p as usize]);
-    }
-    row
+        let Some(hit) = intersector.closest_hit(&ray) else { return ESCAPED };
+        let element = side_of(scene, elements, &ray, &hit);
+        element.and_then(|e| patches.of().get(e as usize).copied()).unwrap_or(LOST)
+    };
+    Row::count(rays, (0..rays).map(met), counts)
 }

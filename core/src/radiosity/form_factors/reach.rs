@@ -14,8 +14,8 @@ use crate::sampling::numbers::Numbers;
 use crate::scene::{CompiledScene, NO_INDEX};
 use crate::transport::surface_at;
 
-/// Hits of a walk.
-const HITS: u32 = 24;
+/// Most hits of a walk.
+pub const HITS: u32 = 24;
 const START_GROUP: u32 = 0;
 const PICK_GROUP: u32 = 1;
 const WALK_GROUP: u32 = 2;
@@ -31,9 +31,25 @@ pub enum From {
     Infinity,
 }
 
+/// Walks to be taken, the first ones of a sequence of numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Walks {
+    /// Where they begin.
+    pub from: From,
+    /// Seed and replicate of their numbers ([`Numbers::sobol`]).
+    pub numbers: (u64, u32),
+    /// How many.
+    pub count: u32,
+}
+
+/// Lights, and the camera if there is one: where walks from inside begin.
+pub fn begins(scene: &CompiledScene) -> u32 {
+    scene.lights.len() as u32 + u32::from(scene.camera.is_some())
+}
+
 /// Whether a scene has something to begin walks at, infinity aside.
 pub fn has_inside(scene: &CompiledScene) -> bool {
-    !scene.lights.is_empty() || scene.camera.is_some()
+    begins(scene) > 0
 }
 
 /// Whether light comes from infinity.
@@ -48,9 +64,8 @@ fn start(scene: &CompiledScene, from: From, numbers: &Numbers) -> Option<Ray> {
     if from == From::Infinity {
         return Some(emit::emit_environment(Vec3::ONE, sphere, u).ray);
     }
-    let count = scene.lights.len() as u32 + u32::from(scene.camera.is_some());
     let [pick, ..] = numbers.bits4(PICK_GROUP);
-    let pick = ((u64::from(pick) * u64::from(count)) >> 32) as usize;
+    let pick = ((u64::from(pick) * u64::from(begins(scene))) >> 32) as usize;
     match (scene.lights.get(pick), &scene.camera) {
         (Some(light), _) => Some(emit::emit(light, sphere, u).ray),
         (None, Some(camera)) => {

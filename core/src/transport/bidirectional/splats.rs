@@ -22,6 +22,11 @@ impl SplatUnit {
         Self { unit: power_of_two(exponent), per_unit: power_of_two(-exponent) as f32 }
     }
 
+    /// Units in one of radiance: a power of two.
+    pub fn per_unit(&self) -> f32 {
+        self.per_unit
+    }
+
     /// Adds a splat to a pixel's sums, to the nearest unit. What is no number counts as 0.
     #[inline]
     pub fn add(&self, sums: &mut [i64; 3], value: Vec3) {

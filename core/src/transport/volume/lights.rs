@@ -66,6 +66,16 @@ impl LightMedia {
         out
     }
 
+    /// The media that a light sends into, wherever on it; `None` where that has to be found out for each place. Without media it is what lies around the scene.
+    pub fn all_over(&self, light: usize) -> Option<Inside> {
+        self.inside.get(light).copied().unwrap_or(Some(self.outside))
+    }
+
+    /// What lies around the scene.
+    pub fn outside(&self) -> Inside {
+        self.outside
+    }
+
     /// What a device needs of it: of each light what it sends into, where that is the same all over it, and what is outside. Without media there are no lights in the list.
     pub fn parts(&self) -> (&[Option<Inside>], Inside) {
         (&self.inside, self.outside)

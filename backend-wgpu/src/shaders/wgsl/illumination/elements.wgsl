@@ -1,6 +1,7 @@
 // The elements of an illumination map: what an arrival counts for. `element_word` reads what the host lays down: four words for each
 // primitive (first element or node, divisions of an edge, first division among those of all, area), then the nodes of the lattices.
 //: use illumination::lattice
+//: use sampling::warp
 
 const ELEMENT_PLACE_WORDS: u32 = 4u;
 
@@ -37,4 +38,13 @@ fn elements_in_cell(primitive: u32, cell: u32, local: vec2<f32>) -> vec2<f32> {
     let n = elements_divisions(primitive);
     if n == 1u { return local; }
     return lattice_in_cell(n, cell, local);
+}
+
+// The barycentrics of vertices 1 and 2 of a point of an element (of either side) of the constant basis, from two numbers in [0, 1). Elements that are not the
+// primitive's count as its first.
+fn elements_bary_on(map: ElementMap, primitive: u32, element: u32, u: vec2<f32>) -> vec2<f32> {
+    let n = elements_divisions(primitive);
+    let of_side = select(element, element - map.per_side, element >= map.per_side);
+    let cell = of_side - element_word(ELEMENT_PLACE_WORDS * primitive);
+    return elements_in_cell(primitive, select(0u, cell, cell < n * n), warp_sample_triangle(u).yz);
 }

@@ -8,6 +8,8 @@
 const QUERY_DONE: u32 = 0u;
 const QUERY_CLOSEST: u32 = 1u;
 const QUERY_SHADOW: u32 = 2u;
+// Another step without a ray.
+const QUERY_NOTHING: u32 = 4u;
 
 const ROULETTE_FROM: u32 = 5u;
 const SURVIVAL_MAX: f32 = 0.95f;
@@ -27,20 +29,20 @@ fn back_is_lit(surface: Surface) -> bool {
     return surface.light < scene_at.light_count && surface.from_front;
 }
 
-struct Emission { met: vec3<f32>, weight: f32 }
+struct MetEmission { met: vec3<f32>, weight: f32 }
 
 // Radiance that a lit surface sends back along a ray, and its weight against light sampling at `vertex`, where the direction was drawn
 // with density `pdf` (0: nothing competed with it); `t` is counted from there, and `share` is by how much that sampling picks its light more often.
 fn back_emission(
     surface: Surface, direction: vec3<f32>, t: f32, vertex: vec3<f32>, pdf: f32, share: f32,
-) -> Emission {
+) -> MetEmission {
     let light = scene_at.lights + LIGHT_WORDS * surface.light;
     var weight = 1.0f;
     if pdf > 0.0f {
         let other = light_pdf_solid_angle(light, vertex, direction, t, surface.front);
         weight = mis_power_heuristic(pdf, other * share);
     }
-    return Emission(light_float3(light + LIGHT_RADIANCE), weight);
+    return MetEmission(light_float3(light + LIGHT_RADIANCE), weight);
 }
 
 // What a path carries from where its colours part: one of them, which stands for all three.

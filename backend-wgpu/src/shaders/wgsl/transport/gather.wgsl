@@ -13,7 +13,7 @@ const GATHER_LIGHTS_SEEN: u32 = 64u;
 const GATHER_LIGHTS_GATHERED: u32 = 4u;
 
 // A step without a ray: what a probe begins with.
-const QUERY_HERE: u32 = 4u;
+const QUERY_HERE: u32 = QUERY_NOTHING;
 
 // What is done at a vertex.
 const GATHER_MIRROR: u32 = 1u;

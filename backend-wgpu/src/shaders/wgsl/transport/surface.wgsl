@@ -36,6 +36,10 @@ struct Surface {
     front: vec3<f32>,
     geometric: vec3<f32>,
     shading: vec3<f32>,
+    //: if SHADING
+    // The interpolated normal on the side of the geometric one, whether or not it points away from `wo`.
+    interpolated: vec3<f32>,
+    //: end
     wo: vec3<f32>,
     lobes: Lobes,
     light: u32,
@@ -219,6 +223,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     }
     //: end
     //: if SHADING
+    surface.interpolated = surface.geometric;
     if is_triangle && (scene_word(record + 3u) & MATERIAL_SHADING_NORMALS) != 0u {
         let vertex = surface_vertices(hit.primitive);
         let sum = surface_vertex_normal(vertex.x) * (1.0f - hit.b1 - hit.b2)
@@ -226,6 +231,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
             + surface_vertex_normal(vertex.z) * hit.b2;
         let n = math_normalize_or(sum, vec3(0.0f));
         let interpolated = select(-n, n, surface.from_front);
+        if !math_is_zero3(n) { surface.interpolated = interpolated; }
         if !math_is_zero3(n) && math_dot(interpolated, wo) > 0.0f { surface.shading = interpolated; }
     }
     //: end
@@ -243,6 +249,9 @@ fn surface_white(point: SurfacePoint, n: vec3<f32>) -> Surface {
     surface.front = n;
     surface.geometric = n;
     surface.shading = n;
+    //: if SHADING
+    surface.interpolated = n;
+    //: end
     surface.wo = n;
     surface.lobes = lobes_diffuse(vec3(1.0f));
     surface.light = NO_INDEX;

@@ -79,6 +79,10 @@ fn volume_sample_light(state: ptr<function, VolumeState>, vertex: Vertex, group:
     let value = vertex_scattering(vertex, s.wi);
     var carried = (*state).throughput * value.f * s.contribution;
     if s.pdf > 0.0f { carried *= mis_power_heuristic(s.pdf, value.pdf); }
+    //: if AIRLIGHT
+    // Its airlight is summed already.
+    if s.pdf <= 0.0f && (*state).depth == 1u && vertex.in_medium { return false; }
+    //: end
     if math_is_zero3(carried) { return false; }
     (*state).carried = carried;
     (*state).ray = vertex_towards(vertex, s);

@@ -1,34 +1,10 @@
 // What waves of paths have in common: `start` fills the slots, then `trace` answers what each asks and `advance` takes the answer, until
 // none asks. A state is in rows, word r of slot s at r * slots + s: the first four rows are what the host reads.
-//: use sensor
+//: use scene::camera
 //: use transport::back
 //: use tree::walk
+//: use wavefront::job
 
-struct PathJob {
-    seed: vec2<u32>,
-    // Slots that the buffers are made for, and those of this wave.
-    slots: u32,
-    count: u32,
-    // Elements of the film; the first of this wave and its block.
-    elements: u32,
-    first_element: u32,
-    first_block: u32,
-    // Samples of a block that this wave takes, from which one on.
-    samples: u32,
-    first_sample: u32,
-    max_depth: u32,
-    // Where probes begin among the words of the states; 0 for images.
-    probes: u32,
-    width: u32,
-    // The media that the camera stands in.
-    camera_inside0: u32,
-    camera_inside1: u32,
-    camera_inside2: u32,
-    // For `math_opaque`.
-    zero: u32,
-}
-
-@group(0) @binding(1) var<uniform> job: PathJob;
 @group(0) @binding(7) var<storage, read_write> states: array<u32>;
 // Slots that ask, in two lists that take turns: the lengths of both, which of them is read, nothing, then the lists.
 @group(0) @binding(8) var<storage, read_write> queue: array<atomic<u32>>;
@@ -133,24 +109,10 @@ fn wave_start(slot: u32) -> WaveStart {
 }
 
 fn wave_camera_ray(at: WaveStart) -> Ray {
-    let camera = wave_camera(scene_at.camera);
+    let camera = scene_camera(scene_at.camera);
     var u = vec4(sobol_group2(at.sampler, 0u), 0.0f, 0.0f);
     if camera.lens_radius > 0.0f { u = sobol_group4(at.sampler, 0u); }
     return camera_sample_ray(camera, at.element % job.width, at.element / job.width, u.xy, u.zw);
-}
-
-// core's record.
-fn wave_camera(at: u32) -> Camera {
-    return Camera(
-        scene_triple(at),
-        scene_float(at + 3u),
-        scene_triple(at + 4u),
-        scene_float(at + 7u),
-        scene_triple(at + 8u),
-        scene_word(at + 11u),
-        scene_triple(at + 12u),
-        scene_word(at + 15u),
-    );
 }
 
 fn wave_probe(at: u32) -> vec3<f32> {
@@ -166,10 +128,9 @@ fn wave_probe_normal(at: u32) -> vec3<f32> { return wave_probe(at + 4u); }
 fn trace(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = wave_slot(id.x);
     if slot == job.slots { return; }
-    //: if GATHER
-    if wave_get(slot, ROW_QUERY) == QUERY_HERE { return; }
-    //: end
-    let hit = tree_walk(wave_ray(slot), wave_get(slot, ROW_QUERY) == QUERY_SHADOW);
+    let query = wave_get(slot, ROW_QUERY);
+    if query == QUERY_NOTHING { return; }
+    let hit = tree_walk(wave_ray(slot), query == QUERY_SHADOW);
     wave_put_float(slot, ROW_HIT, hit.t);
     wave_put(slot, ROW_HIT + 1u, hit.primitive);
     wave_put_float(slot, ROW_HIT + 2u, hit.b1);

@@ -1,6 +1,9 @@
 // Waves of paths through media and boundaries: the rows of paths between surfaces, and more behind them.
 //: use transport::volume
 //: use wavefront::slots
+//: if AIRLIGHT
+//: use wavefront::airlight
+//: end
 
 const ROW_INSIDE: u32 = 33u;
 const ROW_NEXT_INSIDE: u32 = 36u;
@@ -86,13 +89,23 @@ fn start(@builtin(global_invocation_id) id: vec3<u32>) {
     state.depth = 1u;
     if job.max_depth >= 1u { state.query = QUERY_CLOSEST; }
     wave_store(slot, state);
+    //: if AIRLIGHT
+    wave_start_airlight(slot, state);
+    //: end
 }
 
 @compute @workgroup_size(64)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = wave_slot(id.x);
     if slot == job.slots { return; }
+    //: if AIRLIGHT
+    let stage = wave_get(slot, ROW_STAGE);
+    if stage == STAGE_SEGMENT { return; }
+    //: end
     var state = wave_load(slot);
     volume_arrive(&state, wave_hit(slot), job.max_depth);
     wave_store(slot, state);
+    //: if AIRLIGHT
+    if stage == STAGE_NODE && state.query == QUERY_DONE { wave_put(slot, ROW_QUERY, QUERY_NOTHING); }
+    //: end
 }

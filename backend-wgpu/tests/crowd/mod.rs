@@ -1,4 +1,4 @@
-//! A scene with all that media can have, together.
+//! A scene with all that scenes with media can have.
 
 use etendue_conformance::scenes::{diffuse, material, point_light, room, round_room, shape};
 use etendue_core::scene::{
