@@ -99,7 +99,7 @@ pub(crate) fn named(name: &str) -> Arc<CompiledScene> {
 pub(crate) fn probes(scene: &CompiledScene) -> Vec<Probe> {
     let probe = |p: u32| {
         let (at, n) = place_on(scene, p, [0.31, 0.47])?;
-        let n = if p % 3 == 0 { -n } else { n };
+        let n = if p.is_multiple_of(3) { -n } else { n };
         Some(Probe { position: at.to_array(), normal: n.to_array() })
     };
     (0..scene.primitives().count() as u32).take(12).filter_map(probe).collect()
