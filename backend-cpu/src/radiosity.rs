@@ -224,7 +224,7 @@ impl Radiosity {
         (scene, tree): (&CompiledScene, &Tree),
         elements: Arc<Elements>,
         settings: &PatchSettings,
-        walker: &dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>,
+        walker: Walker<'_>,
     ) -> Result<PatchMap, BackendError> {
         if let Some(missing) = beyond_patches(scene) {
             return Err(BackendError::SceneNeeds { method: "radiosity", missing });

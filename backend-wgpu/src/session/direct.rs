@@ -1,15 +1,16 @@
 //! Direct irradiance on the device: places in small submissions, and sums of a block in fixed point, which the host reads.
 
+use super::WgpuSession;
 use super::elements::ElementBuffers;
 use super::features;
 use super::scene::{OFFSETS, SceneBuffers};
 use super::task::{Pace, Step, Task, WORKGROUP, bindings};
 use crate::gpu::{Binding, Buffer, Gpu, Pending, Pipeline, PipelineKey};
 use crate::shaders::Link;
-use etendue_core::backend::{BackendError, JobStats, PathJob};
+use etendue_core::backend::{self, BackendError, JobStats, PathJob, Session as _};
 use etendue_core::direct::irradiance::flux_unit;
-use etendue_core::film::Film;
-use etendue_core::illumination::{Basis, FluxUnit, Sides};
+use etendue_core::film::{Film, FilmSettings};
+use etendue_core::illumination::{Basis, ElementSettings, Elements, FluxUnit, Sides};
 use etendue_core::scene::CompiledScene;
 use std::sync::Arc;
 use std::time::Instant;
@@ -19,6 +20,36 @@ const HEAD: u64 = 4;
 const SUMS: u64 = 6;
 /// Shadow rays of the first submission.
 const FIRST: u64 = 1 << 14;
+
+impl WgpuSession {
+    /// Direct irradiance as a task that never waits.
+    ///
+    /// # Errors
+    /// As [`backend::Session::direct_irradiance`].
+    pub fn direct_task(&self, job: &PathJob, elements: &ElementSettings) -> Result<DirectTask, BackendError> {
+        let elements = self.elements(elements);
+        let settings = backend::direct_film_settings(&self.scene, &elements, job);
+        self.check_direct(job)?;
+        self.direct(&self.source.gpu(), job, &elements, &settings)
+    }
+
+    pub(super) fn direct(
+        &self,
+        gpu: &Arc<Gpu>,
+        job: &PathJob,
+        elements: &Arc<Elements>,
+        settings: &FilmSettings,
+    ) -> Result<DirectTask, BackendError> {
+        let (buffers, elements) =
+            (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), elements)?);
+        DirectTask::new(gpu, &self.scene, &buffers, elements, job, Film::new(*settings))
+    }
+
+    pub(super) fn check_direct(&self, job: &PathJob) -> Result<(), BackendError> {
+        job.check()?;
+        self.check_photons()
+    }
+}
 
 /// What is left to be read.
 #[derive(Debug)]

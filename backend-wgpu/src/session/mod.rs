@@ -194,34 +194,6 @@ impl WgpuSession {
         self.task(&self.source.gpu(), (&job.path, &estimator), self.probes(probes)?, &settings)
     }
 
-    /// Direct irradiance as a task that never waits.
-    ///
-    /// # Errors
-    /// As [`Session::direct_irradiance`].
-    pub fn direct_task(&self, job: &PathJob, elements: &ElementSettings) -> Result<DirectTask, BackendError> {
-        let elements = self.elements(elements);
-        let settings = backend::direct_film_settings(&self.scene, &elements, job);
-        self.check_direct(job)?;
-        self.direct(&self.source.gpu(), job, &elements, &settings)
-    }
-
-    fn direct(
-        &self,
-        gpu: &Arc<Gpu>,
-        job: &PathJob,
-        elements: &Arc<Elements>,
-        settings: &FilmSettings,
-    ) -> Result<DirectTask, BackendError> {
-        let (buffers, elements) =
-            (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), elements)?);
-        DirectTask::new(gpu, &self.scene, &buffers, elements, job, Film::new(*settings))
-    }
-
-    fn check_direct(&self, job: &PathJob) -> Result<(), BackendError> {
-        job.check()?;
-        self.check_photons()
-    }
-
     fn image(&self, width: u32) -> PathStart {
         PathStart::Image { width, inside: self.surroundings.camera }
     }
