@@ -253,10 +253,10 @@ const MUTANTS: &[Mutant] = &[
         By::BothEnds("room"),
     ),
     (
-        "splats without their carries",
-        "wavefront::bidirectional::joints",
-        "return u32(old + x < old);",
-        "return 0u;",
+        "splats cut off, not rounded",
+        "transport::bidirectional::splats",
+        "select(0.5f, -0.5f, units < 0.0f)",
+        "0.0f",
         By::BothEnds("room"),
     ),
     (

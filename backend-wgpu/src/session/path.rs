@@ -93,7 +93,7 @@ impl PathTask {
         let form = match estimator {
             Estimator::Path => Form::paths(scene),
             Estimator::Airlight(single) => {
-                asked[..2].copy_from_slice(&wave::airlight_words(*single));
+                asked[MORE_WORDS - 2..].copy_from_slice(&wave::airlight_words(*single));
                 Form::airlight(scene)
             }
             Estimator::BothEnds(ends) => plan.insert(Plan::new(scene, ends, job.max_depth)).form.clone(),

@@ -59,6 +59,11 @@ const ELSEWHERE: &[[&str; 3]] = &[
         "fn map_value(",
         "fn map_value(at: u32, i: u32) -> vec3<f32> { return vec3(f32(at + i)); }",
     ],
+    [
+        "photon_glow(",
+        "fn photon_glow(",
+        "fn photon_glow(i: u32, u: vec4<f32>) -> Emission { return Emission(Ray(u.xyz, u.xyz, f32(i)), u.xyz); }",
+    ],
     ["COUNTS_OF_JOB", "const COUNTS_OF_JOB", "const COUNTS_OF_JOB: u32 = 0x80000000u;"],
     ["counts_at", "> counts_at:", "var<private> counts_at: u32;"],
     ["&sums[", "> sums:", "@group(0) @binding(8) var<storage, read_write> sums: array<atomic<u32>>;"],

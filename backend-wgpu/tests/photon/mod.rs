@@ -4,11 +4,14 @@
 
 use etendue_conformance::analytic::compiled;
 use etendue_conformance::golden;
-use etendue_conformance::scenes::{cases, diffuse, environment, point_light, room, shape, sphere};
-use etendue_core::backend::{PhotonJob, PhotonStart, illumination_film_settings};
+use etendue_conformance::scenes::{cases, diffuse, environment, material, point_light, room, shape, sphere};
+use etendue_core::backend::{PhotonJob, PhotonStart, Probe, illumination_film_settings};
+use etendue_core::direct::irradiance::place_on;
 use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
-use etendue_core::scene::{CompiledScene, LightDesc, MaterialKind, Reflectance, SceneDesc, ShapeKind};
+use etendue_core::scene::{
+    CompiledScene, LightDesc, MaterialKind, MediumDesc, Reflectance, SceneDesc, ShapeDesc, ShapeKind,
+};
 use etendue_core::transport::photon::Sequence;
 use std::ops::Range;
 use std::sync::Arc;
@@ -30,11 +33,7 @@ pub(crate) fn furnished() -> SceneDesc {
             diffuse("wall", 0.6, 0.0),
             diffuse("dark", 0.2, 0.0),
             diffuse("lamp", 0.1, 2.0),
-            etendue_conformance::scenes::material(
-                "mirror",
-                MaterialKind::Mirror { albedo: Reflectance::flat([0.9; 3]) },
-                0.0,
-            ),
+            material("mirror", MaterialKind::Mirror { albedo: Reflectance::flat([0.9; 3]) }, 0.0),
         ],
         lights: vec![
             point_light([0.1, 0.2, 0.5], 1.0),
@@ -52,6 +51,34 @@ pub(crate) fn furnished() -> SceneDesc {
     }
 }
 
+/// Triangles of diffuse surfaces alone, under a lamp and lights of each kind: the least code of all.
+pub(crate) fn plain() -> SceneDesc {
+    let mut desc = furnished();
+    desc.shapes.retain(|s| s.material == "lamp");
+    desc.materials.retain(|m| m.name != "mirror");
+    desc
+}
+
+/// The same full of fog, with a ball of glass and a pane.
+pub(crate) fn foggy() -> SceneDesc {
+    let mut desc = plain();
+    let glass = MaterialKind::Dielectric { ior: [1.5; 3], schlick: false };
+    let film = MaterialKind::ThinFilm { reflect: [0.1, 0.1, 0.3], transmit: [0.8, 0.6, 0.2] };
+    desc.materials.extend([
+        material("none", MaterialKind::Null, 0.0),
+        material("glass", glass, 0.0),
+        material("film", film, 0.0),
+    ]);
+    let fog = ShapeDesc {
+        interior: "fog".into(),
+        ..shape(ShapeKind::Box { min: [-1.0; 3], max: [1.0; 3] }, "none")
+    };
+    let pane = ShapeKind::Rectangle { center: [0.2, 0.1, 0.3], u: [0.0, 0.5, 0.0], v: [0.6, 0.0, 0.0] };
+    desc.shapes.extend([fog, shape(pane, "film"), sphere([-0.4, 0.3, -0.5], 0.35, "glass")]);
+    desc.media.push(MediumDesc::new("fog", [0.02, 0.05, 0.1], [0.3, 0.2, 0.4], 0.3));
+    desc
+}
+
 /// The scenes of the suite in which photons have something to do.
 pub(crate) fn scenes() -> Vec<(String, Arc<CompiledScene>)> {
     let mut all = vec![("furnished".to_string(), scene(&furnished()))];
@@ -61,6 +88,21 @@ pub(crate) fn scenes() -> Vec<(String, Arc<CompiledScene>)> {
         s.needs.beyond_photons().is_none() && etendue_core::transport::photon::LightPlan::new(s).is_ok()
     });
     all
+}
+
+/// The scene of this name.
+pub(crate) fn named(name: &str) -> Arc<CompiledScene> {
+    scenes().into_iter().find(|(n, _)| n == name).unwrap().1
+}
+
+/// A dozen probes on surfaces, some on their backs.
+pub(crate) fn probes(scene: &CompiledScene) -> Vec<Probe> {
+    let probe = |p: u32| {
+        let (at, n) = place_on(scene, p, [0.31, 0.47])?;
+        let n = if p.is_multiple_of(3) { -n } else { n };
+        Some(Probe { position: at.to_array(), normal: n.to_array() })
+    };
+    (0..scene.primitives().count() as u32).take(12).filter_map(probe).collect()
 }
 
 pub(crate) fn scene(desc: &SceneDesc) -> Arc<CompiledScene> {

@@ -1,15 +1,18 @@
-//! `cargo run --release -p etendue-benches --bin device [-- ADAPTER]`: rays, paths, samples from both ends, form factors, relighting and bytes per second of an adapter, the CPU beside it.
+//! `cargo run --release -p etendue-benches --bin device [-- ADAPTER]`: rays, paths, samples from both ends, form factors, photons, relighting and bytes per second of an adapter, the CPU beside it.
 //!
 //! One line for each measurement; both take turns in one run, and medians are told. `ADAPTER` is a part of the adapter's name
 //! (`etendue adapters`); without it the best one is taken.
 #![allow(clippy::disallowed_methods, reason = "a program that prints")]
 
 use etendue::core::backend::{
-    Backend, BidirectionalJob, FormFactorJob, JobStats, NoControl, PathJob, Session, image_film_settings,
+    Backend, BidirectionalJob, FormFactorJob, JobStats, NoControl, PathJob, PhotonJob, PhotonStart, Session,
+    illumination_film_settings, image_film_settings,
 };
 use etendue::core::film::Film;
+use etendue::core::illumination::ElementSettings;
 use etendue::core::radiosity::patches::PatchSettings;
 use etendue::core::scene::{CompiledScene, compile};
+use etendue::core::transport::photon::Sequence;
 use etendue::driver::Silent;
 use etendue::driver::radiosity::{BakeSettings, Codec, Rooms, bake};
 use etendue::engine::{BackendKind, open_backend_on};
@@ -26,6 +29,8 @@ const SIDE: u32 = 128;
 const SAMPLES: u32 = 32;
 /// Patches of the operator that is relit.
 const PATCHES: u32 = 8192;
+/// Photons of a map.
+const PHOTONS: u32 = 1 << 18;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -75,6 +80,7 @@ fn main() -> Outcome<()> {
             image(file, by, pair)?;
         }
         form_factors(file, pair)?;
+        photons(file, pair)?;
     }
     relight(pair)
 }
@@ -103,6 +109,40 @@ fn image(file: &str, by: By, pair: [&dyn Backend; 2]) -> Outcome<()> {
     let [rays, samples] = found;
     print(&format!("{by:?}, {file}"), "M rays/s", rays.map(median), films);
     print(&format!("{by:?}, {file}"), "M samples/s", samples.map(median), "");
+    Ok(())
+}
+
+/// Photons in order, summed on the mesh.
+fn photons(file: &str, pair: [&dyn Backend; 2]) -> Outcome<()> {
+    let scene = scene(file)?;
+    let sessions = [pair[0].open(scene.clone())?, pair[1].open(scene.clone())?];
+    let mut found = [Vec::new(), Vec::new()];
+    let mut equal = true;
+    for turn in 0..=TURNS {
+        let job = PhotonJob {
+            seed: turn as u64,
+            photons: PHOTONS,
+            replicates: 0..1,
+            max_hits: u32::MAX,
+            start: PhotonStart::LIGHTS,
+            sequence: Sequence::Sorted,
+            elements: ElementSettings::default(),
+        };
+        let mut films = Vec::new();
+        for (session, found) in sessions.iter().zip(&mut found) {
+            let elements = session.elements(&job.elements);
+            let mut film = Film::new(illumination_film_settings(&scene, &elements, &job)?);
+            let start = Instant::now();
+            session.illumination(&job, &NoControl, &mut film)?;
+            if turn > 0 {
+                found.push(1e-6 * f64::from(job.photons) / start.elapsed().as_secs_f64());
+            }
+            films.push(film);
+        }
+        equal &= films[0] == films[1];
+    }
+    let films = if equal { "; maps equal to the last bit" } else { "; maps differ in bits" };
+    print(&format!("photons in order, {file}"), "M photons/s", found.map(median), films);
     Ok(())
 }
 

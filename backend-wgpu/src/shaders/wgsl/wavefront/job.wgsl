@@ -22,13 +22,7 @@ struct PathJob {
     camera_inside2: u32,
     // For `math_opaque`.
     zero: u32,
-    //: if AIRLIGHT
-    // Where nodes lie, and how many there are of a segment and light.
-    rule: u32,
-    nodes: u32,
-    //: end
-    //: if BIDIRECTIONAL
-    // The scene's bounding sphere: its centre, and its radius.
+    // Of samples from both ends. The scene's bounding sphere: its centre, and its radius.
     sphere: vec4<f32>,
     heuristic: u32,
     // Of the largest density, below which `CUTOFF` leaves a strategy out.
@@ -46,7 +40,9 @@ struct PathJob {
     annexes: u32,
     // Where it says among the words of the states what each light sends into.
     light_media: u32,
-    //: end
+    // Of summed airlight: where nodes lie, and how many there are of a segment and light.
+    rule: u32,
+    nodes: u32,
 }
 
 @group(0) @binding(1) var<uniform> job: PathJob;

@@ -1,6 +1,7 @@
 // Rays back from the sensor through media and through surfaces that light passes.
 //: use transport::gather
 
+//: if VOLUME
 // The first of the groups of sample dimensions for what happens between vertices, two an event.
 const GATHER_EVENT_GROUP: u32 = 16777216u;
 
@@ -107,3 +108,4 @@ fn gather_connect_on(state: ptr<function, GatherState>, surface: Surface, gone: 
     (*state).way.to_crossed += 1u;
     (*state).query = QUERY_CONNECT;
 }
+//: end

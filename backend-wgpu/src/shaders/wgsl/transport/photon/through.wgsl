@@ -1,6 +1,7 @@
 // Photons on their way through media and through surfaces that light passes.
 //: use transport::photon
 
+//: if VOLUME
 // The first of the groups of numbers for what happens between hits, two an event; and that of the direction of a photon that starts in a medium.
 const PHOTON_EVENT_GROUP: u32 = 1048576u;
 const PHOTON_GLOW_GROUP: u32 = PHOTON_EVENT_GROUP - 1u;
@@ -111,3 +112,4 @@ fn photon_arrive(photon: ptr<function, Photon>, hit: ptr<function, Hit>, random:
     (*photon).way.beyond = resolved.inside;
     return PHOTON_LANDS;
 }
+//: end

@@ -1,5 +1,6 @@
 // Which media a place on a light sends into, where that is not the same all over the light: the boundaries on a way out of the scene, noted
 // where the vertices of the walk will be, then crossed back from outside.
+//: if VOLUME
 //: use medium::inside
 //: use transport::volume::boundaries
 //: use wavefront::bidirectional::rows
@@ -57,3 +58,4 @@ fn search(@builtin(global_invocation_id) id: vec3<u32>) {
     let origin = wave_triple(slot, ROW_WALK_ORIGIN);
     wave_query(slot, PHASE_LIGHT, QUERY_CLOSEST, Ray(origin, wave_triple(slot, ROW_WALK_DIRECTION), MAX_FLOAT));
 }
+//: end

@@ -5,6 +5,7 @@
 //: end
 //: use wavefront::photons::slots
 
+//: if VOLUME
 fn wave_inside_at(at: u32) -> Inside { return vec3(job_word(at), job_word(at + 1u), job_word(at + 2u)); }
 
 //: if FOLLOWS
@@ -63,3 +64,4 @@ fn wave_begin(slot: u32, begins: PhotonBegins) {
         wave_ask(slot, PHOTON_CLOSEST);
     }
 }
+//: end
