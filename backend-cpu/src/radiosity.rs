@@ -63,7 +63,7 @@ widest! {
 }
 
 /// Who takes walks: each element side that one meets is marked, and those that leave the scene are counted.
-type Walker<'a> = &'a dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>;
+pub type Walker<'a> = &'a dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>;
 
 /// The element sides that light can get to.
 fn reached(
@@ -224,7 +224,7 @@ impl Radiosity {
         (scene, tree): (&CompiledScene, &Tree),
         elements: Arc<Elements>,
         settings: &PatchSettings,
-        walker: &dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>,
+        walker: Walker<'_>,
     ) -> Result<PatchMap, BackendError> {
         if let Some(missing) = beyond_patches(scene) {
             return Err(BackendError::SceneNeeds { method: "radiosity", missing });
