@@ -22,9 +22,12 @@ use etendue_core::transport::volume::{LightMedia, inside_of_probe};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// A density of photons' starts, and what it was made of.
+type Shot = ((Subdivision, Weights), Arc<FirstShot>);
+
 /// The density of photons' starts that was asked for last.
 #[derive(Debug, Default)]
-pub(super) struct KeptShot(Mutex<Option<((Subdivision, Weights), Arc<FirstShot>)>>);
+pub(super) struct KeptShot(Mutex<Option<Shot>>);
 
 impl WgpuSession {
     /// An illumination map as a task that never waits.
