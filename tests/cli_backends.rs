@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{FOG, Folder, closed_cornell, device, root, run};
+use common::{FOG, Folder, device, root, run};
 
 /// A room's corner under a lamp, small enough for every method.
 const CORNER: &str = r#"
@@ -130,20 +130,4 @@ fn the_table_of_the_readme_is_what_happens() {
     }
     let untried: Vec<_> = table.iter().filter(|row| LINES.iter().all(|l| l.0 != row[0])).collect();
     assert!(wrong.is_empty() && untried.is_empty(), "{wrong:#?} {untried:?}");
-}
-
-#[test]
-fn a_bake_on_the_device_leaves_the_bytes_of_the_cpu() {
-    let Some(device) = device() else { return };
-    if device.arithmetic() != etendue::core::backend::Arithmetic::Ieee {
-        return eprintln!("SKIPPED: bits are the CPU's on IEEE 754 alone");
-    }
-    let folder = Folder::new();
-    let bytes = |backend: &str| {
-        let etd = folder.arg(&format!("{backend}.etd"));
-        let line = ["bake", &closed_cornell(), "-o", &etd, "--backend", backend];
-        run(&[&line[..], &["--patches", "200", "--pair-samples", "2", "--json"]].concat()).exits(0);
-        std::fs::read(etd).unwrap()
-    };
-    assert!(bytes("cpu") == bytes("wgpu"));
 }

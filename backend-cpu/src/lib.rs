@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// The trees that sessions walk.
 pub use etendue_tree as tree;
 pub use linear::{Linear, ParallelOperator, WideOperator, WideStripe};
-pub use radiosity::Radiosity;
+pub use radiosity::{Radiosity, Walker};
 pub use session::CpuSession;
 
 /// Items per task of [`Backend::map`].

@@ -63,7 +63,7 @@ widest! {
 }
 
 /// Who takes walks: each element side that one meets is marked, and those that leave the scene are counted.
-type Walker<'a> = &'a dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>;
+pub type Walker<'a> = &'a dyn Fn(&Walks, &[AtomicBool]) -> Result<u32, BackendError>;
 
 /// The element sides that light can get to.
 fn reached(

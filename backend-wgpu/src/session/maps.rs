@@ -22,10 +22,10 @@ use etendue_core::transport::volume::{LightMedia, inside_of_probe};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A density of photons' starts, and what it was made by.
+/// A density of photons' starts, and what it was made of.
 type Shot = ((Subdivision, Weights), Arc<FirstShot>);
 
-/// That which was asked for last.
+/// The density of photons' starts that was asked for last.
 #[derive(Debug, Default)]
 pub(super) struct KeptShot(Mutex<Option<Shot>>);
 

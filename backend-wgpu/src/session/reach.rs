@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Walks of the first submission.
-const FIRST: u64 = 1 << 10;
+const FIRST: u64 = 1 << 12;
 
 /// Takes walks, and marks what they meet; how many left the scene.
 pub(super) fn walk(

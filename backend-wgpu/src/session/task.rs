@@ -76,13 +76,15 @@ impl Control for Portion<'_> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     amount: u64,
+    least: u64,
     most: u64,
 }
 
 impl Pace {
-    /// Begins with `first`, and never takes more than `most`.
+    /// Begins with `first`, and never takes more than `most`, nor less than a part of `first`: where others keep the machine, no amount is quick, and small ones would take for ever.
     pub(super) fn new(first: u64, most: u64) -> Self {
-        Self { amount: first.clamp(1, most.max(1)), most: most.max(1) }
+        let amount = first.clamp(1, most.max(1));
+        Self { amount, least: (amount / 8).max(1), most: most.max(1) }
     }
 
     pub(super) fn amount(self) -> u64 {
@@ -94,7 +96,7 @@ impl Pace {
         if time < SUBMISSION / 2 && amount >= self.amount {
             self.amount = (self.amount * 2).min(self.most);
         } else if time > SUBMISSION * 2 {
-            self.amount = (self.amount.min(amount) / 2).max(1);
+            self.amount = (self.amount.min(amount) / 2).max(self.least);
         }
     }
 }
