@@ -16,9 +16,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Pixels where nothing is said: so few that a ladder of efforts fits into minutes.
-const PIXELS: f64 = 32768.0;
-
 /// A method to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum MethodName {
@@ -98,7 +95,14 @@ fn draw(args: &Args, file: &Path) -> Result<ExitCode, CliError> {
 fn measure(args: &Args, file: &Path) -> Result<ExitCode, CliError> {
     let mut stages = Stages::new();
     let (mut scene, _) = read_scene(file, args.size, &args.talk, &mut stages)?;
-    let size = fit(&mut scene, args.size.is_some())?;
+    let camera = scene.camera.as_mut().ok_or_else(|| {
+        CliError::Input("the scene has no camera: a report compares images, expected a [camera]".into())
+    })?;
+    let mut size = (camera.width, camera.height);
+    if args.size.is_none() {
+        size = report::modest_size(size);
+        *camera = camera.with_resolution(size.0, size.1);
+    }
     let hash = scene_hash(&scene);
     let mask = args.mask.as_deref().map(|m| mask_of(m, size)).transpose()?;
     let reference = match &args.reference {
@@ -146,22 +150,6 @@ fn measure(args: &Args, file: &Path) -> Result<ExitCode, CliError> {
         return Ok(ExitCode::from(INTERRUPTED));
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// The size of the image: the scene's, made smaller where nothing was said.
-fn fit(scene: &mut CompiledScene, given: bool) -> Result<(u32, u32), CliError> {
-    let camera = scene.camera.as_mut().ok_or_else(|| {
-        CliError::Input("the scene has no camera: a report compares images, expected a [camera]".into())
-    })?;
-    let (width, height) = (camera.width, camera.height);
-    let scale = (PIXELS / (f64::from(width) * f64::from(height))).sqrt();
-    if given || scale >= 1.0 {
-        return Ok((width, height));
-    }
-    let side = |n: u32| ((f64::from(n) * scale).round() as u32).max(1);
-    let size = (side(width), side(height));
-    *camera = camera.with_resolution(size.0, size.1);
-    Ok(size)
 }
 
 fn mask_of(file: &Path, size: (u32, u32)) -> Result<Vec<bool>, CliError> {

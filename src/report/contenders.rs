@@ -170,6 +170,9 @@ const CODECS: [(&str, Codec); 6] = [
     ("bc4", Codec::Bc4 { keep: 0.04 }),
 ];
 
+/// An image, and seconds by stage.
+type Looked = (Outcome, Vec<(&'static str, f64)>);
+
 /// Operators: effort is patches; one bake serves all codecs, each of which is counted as if it had baked alone.
 pub struct Baking<'a> {
     session: &'a dyn Session,
@@ -191,7 +194,7 @@ impl<'a> Baking<'a> {
         (operator, gather): (&Operator, bool),
         (samples, seed): (u64, u64),
         watcher: &dyn Watcher,
-    ) -> Result<(Outcome, Vec<(&'static str, f64)>), ReportError> {
+    ) -> Result<Looked, ReportError> {
         let relit = radiosity::relit(self.session, operator, seed, watcher)?;
         let elements = *operator.map.elements.settings();
         let map = GivenMap { elements, values: &relit.values, gather };

@@ -41,6 +41,9 @@ pub(super) enum Figure {
     Efficiency,
 }
 
+/// Pixels across and down, and all of them.
+type Bitmap = ((u32, u32), Vec<[u8; 3]>);
+
 /// An x with its ends.
 type Across = fn(&Cell) -> Option<Middle>;
 
@@ -111,7 +114,7 @@ impl Figure {
     }
 
     /// As pixels of this size.
-    pub(super) fn pixels(self, summary: &Summary) -> Result<((u32, u32), Vec<[u8; 3]>), ReportError> {
+    pub(super) fn pixels(self, summary: &Summary) -> Result<Bitmap, ReportError> {
         let mut bytes = vec![0; 3 * (SIZE.0 * SIZE.1) as usize];
         {
             let root = BitMapBackend::with_buffer(&mut bytes, SIZE).into_drawing_area();
@@ -125,7 +128,7 @@ impl Figure {
         root: &DrawingArea<B, Shift>,
         summary: &Summary,
     ) -> Result<(), ReportError> {
-        fonts();
+        register_fonts();
         let fail = |e: String| ReportError::Figure(e);
         root.fill(&WHITE).map_err(|e| fail(e.to_string()))?;
         let drawn = match self {
@@ -137,8 +140,8 @@ impl Figure {
     }
 }
 
-/// Text on bitmaps comes from a font in this program.
-fn fonts() {
+/// Makes the font of figures known to `plotters`, which then needs none of the system's: text of bitmaps, and the room that text takes.
+pub fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // The only error is of bytes that are no font; then text is what is missing.

@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::time::Instant;
 
+/// Pixels of an image where nothing is said.
+const PIXELS: f64 = 32768.0;
 /// Part of the time that the reference may take, and part that is left to draw and write.
 const REFERENCE: f64 = 0.5;
 const WRITING: f64 = 0.04;
@@ -38,6 +40,13 @@ pub struct Plan {
     pub size: (u32, u32),
     /// Pixels that count; `None`: all.
     pub mask: Option<Vec<bool>>,
+}
+
+/// A size of the same shape with few enough pixels for a ladder of efforts to fit into minutes.
+pub fn modest_size((width, height): (u32, u32)) -> (u32, u32) {
+    let scale = (PIXELS / (f64::from(width) * f64::from(height))).sqrt();
+    let side = |n: u32| ((f64::from(n) * scale).round() as u32).max(1);
+    if scale < 1.0 { (side(width), side(height)) } else { (width, height) }
 }
 
 /// What was not measured, and why.

@@ -21,8 +21,9 @@ mod verdict;
 mod words;
 
 pub use contenders::{Baking, Sampling, SamplingMethod, contenders};
+pub use figures::register_fonts;
 pub use files::{Facts, write};
-pub use measure::{LeftOut, Measured, Plan, measure};
+pub use measure::{LeftOut, Measured, Plan, measure, modest_size};
 pub use reference::Reference;
 pub use runs::{Curve, Run, read_runs};
 pub use structure::Structure;

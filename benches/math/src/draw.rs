@@ -121,6 +121,7 @@ pub fn dots(dots: &Dots, file: &Path) -> Outcome {
 
 fn numbered(title: &str, labels: [&str; 2], list: &[(&str, bool, (f64, f64))], file: &Path) -> Outcome {
     const LEGEND: i32 = 300;
+    etendue::report::register_fonts();
     let root = SVGBackend::new(file, (SIZE.0 + LEGEND as u32, SIZE.1)).into_drawing_area();
     root.fill(&WHITE)?;
     let ys = bounds(list.iter().map(|d| d.2.1));
@@ -146,6 +147,7 @@ fn numbered(title: &str, labels: [&str; 2], list: &[(&str, bool, (f64, f64))], f
 
 /// Curves with a legend at the upper right.
 pub fn curves(curves: &Curves, file: &Path) -> Outcome {
+    etendue::report::register_fonts();
     let root = SVGBackend::new(file, SIZE).into_drawing_area();
     root.fill(&WHITE)?;
     let points = || curves.series.iter().flat_map(|s| &s.points);

@@ -35,7 +35,7 @@ fn main() -> Outcome<()> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell/closed.toml");
     let (mut scene, _) = compile(&load_scene(&file)?.desc)?;
     scene.camera = scene.camera.map(|c| c.with_resolution(SIDE, SIDE));
-    let mut with = |change: &dyn Fn(&mut CompiledScene)| {
+    let with = |change: &dyn Fn(&mut CompiledScene)| {
         let mut scene = scene.clone();
         change(&mut scene);
         Arc::new(scene)
