@@ -126,7 +126,7 @@ fn what_there_is_when_it_is_stopped_is_whole() {
     let inner = Sampling::new(&*session, "cpu", SamplingMethod::Path);
     let mut list: Vec<Box<dyn Contender + '_>> = vec![Box::new(Slow { inner, runs: 0 })];
     let measured = measure(&mut list, &plan(1.0), None, &Silent).unwrap();
-    // Three trials; then four runs and the one that is stopped.
+    // Three trials, then four runs and the one that is stopped.
     assert!(measured.cancelled);
     assert_eq!(measured.runs.len(), 4);
     let (folder, ..) = written(&measured);

@@ -19,6 +19,10 @@ const WRITING: f64 = 0.04;
 const TRIAL_RUNG: u32 = 2;
 /// A trial of a rung that would take this part of a contender's share is not made.
 const TRIAL_SHARE: f64 = 0.5;
+/// A first run may take so many times longer than those that follow.
+const ONCE: f64 = 5.0;
+/// The reference has this part of the time at least, however long trials took.
+const REFERENCE_LEAST: f64 = 0.25;
 /// So many standard errors more light are clearly more.
 const MORE_LIGHT: f64 = 4.0;
 /// Highest rung.
@@ -191,8 +195,7 @@ fn try_out(
     let mut trials: Vec<Trial> = Vec::new();
     let count = climbers.len();
     for (number, climber) in climbers.iter_mut().enumerate() {
-        match climber.contender.run(0, TRIAL_SEED, watcher) {
-            // The first run of all is for whatever a backend does once.
+        match climber.run(0, TRIAL_SEED, watcher) {
             Ok(_) => {}
             Err(e) if e.is_cancelled() => return Err(e),
             Err(e) => {
@@ -200,8 +203,12 @@ fn try_out(
                 continue;
             }
         }
-        climber.run(0, TRIAL_SEED, watcher)?;
-        if f64::from(plan.replicates) * climber.last > 2.0 * share && count > 1 {
+        let most = 2.0 * share / f64::from(plan.replicates);
+        // The first run of all has whatever a backend does once; where that cannot be all of it there is no second.
+        if climber.last <= ONCE * most || count == 1 {
+            climber.run(0, TRIAL_SEED, watcher)?;
+        }
+        if climber.last > most && count > 1 {
             let reason = format!(
                 "its least run takes {:.1} s, and {} of them are more than its share of the time",
                 climber.last, plan.replicates
@@ -265,6 +272,7 @@ fn make_reference(
         .ok_or_else(|| nothing("no method that converges runs here; --reference FILE.exr can stand in"))?;
     let name = climber.contender.curves().first().map(Curve::name).unwrap_or_default();
     let left = plan.seconds * REFERENCE - watcher.start.elapsed().as_secs_f64();
+    let left = left.max(plan.seconds * REFERENCE_LEAST);
     let outcome = climber.contender.for_seconds(left.max(climber.last), REFERENCE_SEED, watcher)?;
     Reference::of_outcome(&outcome, name)
         .ok_or_else(|| nothing("the reference is black, or was stopped before two blocks of samples"))
