@@ -5,6 +5,7 @@
 //: use wavefront::slots
 //: if VOLUME
 //: use transport::gather::through
+//: use wavefront::states::media
 //: end
 
 const ROW_MET: u32 = 33u;
@@ -57,16 +58,6 @@ fn gather_job() -> GatherJob {
 }
 
 //: if VOLUME
-fn wave_inside(slot: u32, row: u32) -> Inside {
-    return vec3(wave_get(slot, row), wave_get(slot, row + 1u), wave_get(slot, row + 2u));
-}
-
-fn wave_put_inside(slot: u32, row: u32, inside: Inside) {
-    wave_put(slot, row, inside.x);
-    wave_put(slot, row + 1u, inside.y);
-    wave_put(slot, row + 2u, inside.z);
-}
-
 fn wave_way(slot: u32) -> GatherWay {
     return GatherWay(
         wave_inside(slot, ROW_INSIDE),
@@ -113,12 +104,7 @@ fn wave_load(slot: u32) -> GatherState {
         wave_ray(slot),
         wave_get(slot, ROW_QUERY),
         Ray(wave_triple(slot, ROW_MET), wave_triple(slot, ROW_MET + 3u), MAX_FLOAT),
-        Hit(
-            wave_float(slot, ROW_MET_HIT),
-            wave_get(slot, ROW_MET_HIT + 1u),
-            wave_float(slot, ROW_MET_HIT + 2u),
-            wave_float(slot, ROW_MET_HIT + 3u),
-        ),
+        wave_hit_at(slot, ROW_MET_HIT),
         kind & 7u,
         wave_get(slot, ROW_STAGE),
         (kind & 8u) != 0u,
@@ -142,10 +128,7 @@ fn wave_store(slot: u32, state: GatherState) {
     wave_put_ray(slot, state.ray);
     wave_put_triple(slot, ROW_MET, state.met.origin);
     wave_put_triple(slot, ROW_MET + 3u, state.met.direction);
-    wave_put_float(slot, ROW_MET_HIT, state.hit.t);
-    wave_put(slot, ROW_MET_HIT + 1u, state.hit.primitive);
-    wave_put_float(slot, ROW_MET_HIT + 2u, state.hit.b1);
-    wave_put_float(slot, ROW_MET_HIT + 3u, state.hit.b2);
+    wave_put_hit(slot, ROW_MET_HIT, state.hit);
     wave_put(slot, ROW_KIND, state.kind | select(0u, 8u, state.gathers) | select(0u, 16u, state.seen));
     wave_put(slot, ROW_STAGE, state.stage);
     //: if VOLUME

@@ -52,7 +52,7 @@ fn wave_begin(slot: u32, begins: PhotonBegins) {
         photon.light = begins.entry;
         photon.ray = begins.look;
     }
-    wave_put_hit(slot, hit);
+    wave_put_hit(slot, ROW_HIT, hit);
     wave_put_photon(slot, photon);
     if begins.lands && !asks {
         if !math_is_zero3(photon.flux) { wave_lands(slot); }
@@ -94,7 +94,7 @@ fn arrive(@builtin(global_invocation_id) id: vec3<u32>) {
     let random = numbers_with_index(numbers_random(job.seed, job.replicate), job.first + slot);
     let came = photon_arrive(&photon, &hit, random, job.max_hits);
     wave_put_photon(slot, photon);
-    wave_put_hit(slot, hit);
+    wave_put_hit(slot, ROW_HIT, hit);
     wave_put(slot, ROW_QUERY, PHOTON_OVER);
     if came == PHOTON_GOES { wave_ask(slot, PHOTON_CLOSEST); }
     let lands = came == PHOTON_LANDS;

@@ -4,6 +4,7 @@
 //: use transport::back
 //: use tree::walk
 //: use wavefront::job
+//: use wavefront::states::rays
 
 @group(0) @binding(7) var<storage, read_write> states: array<u32>;
 // Slots that ask, in two lists that take turns: the lengths of both, which of them is read, nothing, then the lists.
@@ -28,34 +29,6 @@ const ROW_DIRECTION: u32 = 25u;
 const ROW_T_MAX: u32 = 28u;
 const ROW_HIT: u32 = 29u;
 
-fn wave_get(slot: u32, row: u32) -> u32 { return states[row * job.slots + slot]; }
-
-fn wave_float(slot: u32, row: u32) -> f32 { return bitcast<f32>(wave_get(slot, row)); }
-
-fn wave_triple(slot: u32, row: u32) -> vec3<f32> {
-    return vec3(wave_float(slot, row), wave_float(slot, row + 1u), wave_float(slot, row + 2u));
-}
-
-fn wave_put(slot: u32, row: u32, x: u32) { states[row * job.slots + slot] = x; }
-
-fn wave_put_float(slot: u32, row: u32, x: f32) { wave_put(slot, row, bitcast<u32>(x)); }
-
-fn wave_put_triple(slot: u32, row: u32, v: vec3<f32>) {
-    wave_put_float(slot, row, v.x);
-    wave_put_float(slot, row + 1u, v.y);
-    wave_put_float(slot, row + 2u, v.z);
-}
-
-fn wave_ray(slot: u32) -> Ray {
-    return Ray(wave_triple(slot, ROW_ORIGIN), wave_triple(slot, ROW_DIRECTION), wave_float(slot, ROW_T_MAX));
-}
-
-fn wave_put_ray(slot: u32, ray: Ray) {
-    wave_put_triple(slot, ROW_ORIGIN, ray.origin);
-    wave_put_triple(slot, ROW_DIRECTION, ray.direction);
-    wave_put_float(slot, ROW_T_MAX, ray.t_max);
-}
-
 fn wave_sampler(slot: u32) -> BlockSampler {
     let key = vec2(wave_get(slot, ROW_SAMPLER), wave_get(slot, ROW_SAMPLER + 1u));
     return BlockSampler(key, wave_get(slot, ROW_SAMPLER + 2u));
@@ -65,16 +38,6 @@ fn wave_put_sampler(slot: u32, sampler: BlockSampler) {
     wave_put(slot, ROW_SAMPLER, sampler.key.x);
     wave_put(slot, ROW_SAMPLER + 1u, sampler.key.y);
     wave_put(slot, ROW_SAMPLER + 2u, sampler.reversed_index);
-}
-
-// The answer to what a slot asked.
-fn wave_hit(slot: u32) -> Hit {
-    return Hit(
-        wave_float(slot, ROW_HIT),
-        wave_get(slot, ROW_HIT + 1u),
-        wave_float(slot, ROW_HIT + 2u),
-        wave_float(slot, ROW_HIT + 3u),
-    );
 }
 
 // The slot asks in the next step.
@@ -131,9 +94,6 @@ fn trace(@builtin(global_invocation_id) id: vec3<u32>) {
     let query = wave_get(slot, ROW_QUERY);
     if query == QUERY_NOTHING { return; }
     let hit = tree_walk(wave_ray(slot), query == QUERY_SHADOW);
-    wave_put_float(slot, ROW_HIT, hit.t);
-    wave_put(slot, ROW_HIT + 1u, hit.primitive);
-    wave_put_float(slot, ROW_HIT + 2u, hit.b1);
-    wave_put_float(slot, ROW_HIT + 3u, hit.b2);
+    wave_put_hit(slot, ROW_HIT, hit);
     wave_put(slot, ROW_RAYS, wave_get(slot, ROW_RAYS) + 1u);
 }

@@ -1,6 +1,7 @@
 // Waves of paths through media and boundaries: the rows of paths between surfaces, and more behind them.
 //: use transport::volume
 //: use wavefront::slots
+//: use wavefront::states::media
 //: if AIRLIGHT
 //: use wavefront::airlight
 //: end
@@ -13,16 +14,6 @@ const ROW_LENGTH: u32 = 41u;
 const ROW_CROSSED: u32 = 42u;
 const ROW_EVENT: u32 = 43u;
 const ROW_CHANNEL: u32 = 44u;
-
-fn wave_inside(slot: u32, row: u32) -> Inside {
-    return vec3(wave_get(slot, row), wave_get(slot, row + 1u), wave_get(slot, row + 2u));
-}
-
-fn wave_put_inside(slot: u32, row: u32, inside: Inside) {
-    wave_put(slot, row, inside.x);
-    wave_put(slot, row + 1u, inside.y);
-    wave_put(slot, row + 2u, inside.z);
-}
 
 fn wave_load(slot: u32) -> VolumeState {
     return VolumeState(

@@ -39,7 +39,7 @@ fn wave_way(slot: u32) -> Followed {
         wave_ray(slot),
         wave_float(slot, ROW_WAY_LEAD),
         wave_float(slot, ROW_WAY_LENGTH),
-        wave_media(slot, ROW_WAY_INSIDE),
+        wave_inside(slot, ROW_WAY_INSIDE),
         wave_get(slot, ROW_WAY_CROSSED),
         wave_triple(slot, ROW_JOINT),
         wave_float(slot, ROW_WAY_THROUGH),
@@ -49,7 +49,7 @@ fn wave_way(slot: u32) -> Followed {
 fn wave_put_way(slot: u32, way: Followed) {
     wave_put_float(slot, ROW_WAY_LEAD, way.lead);
     wave_put_float(slot, ROW_WAY_LENGTH, way.length);
-    wave_put_media(slot, ROW_WAY_INSIDE, way.inside);
+    wave_put_inside(slot, ROW_WAY_INSIDE, way.inside);
     wave_put(slot, ROW_WAY_CROSSED, way.crossed);
     wave_put_triple(slot, ROW_JOINT, way.carried);
     wave_put_float(slot, ROW_WAY_THROUGH, way.through);

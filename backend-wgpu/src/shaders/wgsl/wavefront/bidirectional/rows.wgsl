@@ -3,6 +3,9 @@
 //: use transport::bidirectional::vertex
 //: use transport::bidirectional::walk
 //: use wavefront::slots
+//: if VOLUME
+//: use wavefront::states::media
+//: end
 
 const ROW_PHASE: u32 = 8u;
 const ROW_WALK_ORIGIN: u32 = 9u;
@@ -231,7 +234,7 @@ fn wave_walk(slot: u32, from_light: bool) -> PathWalk {
     walk.coloured = (flags & FLAG_COLOURED) != 0u;
     walk.event = wave_get(slot, ROW_EVENT);
     //: if VOLUME
-    walk.inside = wave_media(slot, ROW_INSIDE);
+    walk.inside = wave_inside(slot, ROW_INSIDE);
     walk.lead = wave_float(slot, ROW_LEAD);
     walk.through = wave_float(slot, ROW_THROUGH);
     walk.crossed = wave_get(slot, ROW_CROSSED);
@@ -259,24 +262,12 @@ fn wave_put_walk(slot: u32, walk: PathWalk) {
     wave_put(slot, ROW_LIGHT, walk.light);
     wave_put(slot, ROW_EVENT, walk.event);
     //: if VOLUME
-    wave_put_media(slot, ROW_INSIDE, walk.inside);
+    wave_put_inside(slot, ROW_INSIDE, walk.inside);
     wave_put_float(slot, ROW_LEAD, walk.lead);
     wave_put_float(slot, ROW_THROUGH, walk.through);
     wave_put(slot, ROW_CROSSED, walk.crossed);
     //: end
 }
-
-//: if VOLUME
-fn wave_media(slot: u32, row: u32) -> Inside {
-    return vec3(wave_get(slot, row), wave_get(slot, row + 1u), wave_get(slot, row + 2u));
-}
-
-fn wave_put_media(slot: u32, row: u32, inside: Inside) {
-    wave_put(slot, row, inside.x);
-    wave_put(slot, row + 1u, inside.y);
-    wave_put(slot, row + 2u, inside.z);
-}
-//: end
 
 // The slot asks for what its ray meets, or (QUERY_NOTHING) for another step.
 fn wave_query(slot: u32, phase: u32, query: u32, ray: Ray) {

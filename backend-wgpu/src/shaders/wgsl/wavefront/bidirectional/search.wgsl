@@ -47,12 +47,12 @@ fn search(@builtin(global_invocation_id) id: vec3<u32>) {
             return;
         }
     }
-    var inside = wave_media(slot, ROW_INSIDE);
+    var inside = wave_inside(slot, ROW_INSIDE);
     while found > 0u {
         found -= 1u;
         inside = inside_across(inside, states[search_word(slot, found)], true);
     }
-    wave_put_media(slot, ROW_INSIDE, inside);
+    wave_put_inside(slot, ROW_INSIDE, inside);
     wave_put(slot, ROW_COUNT, 0u);
     wave_put(slot, ROW_CROSSED, 0u);
     let origin = wave_triple(slot, ROW_WALK_ORIGIN);

@@ -55,7 +55,7 @@ fn wave_begin(slot: u32, begins: PhotonBegins) {
         photon.ray.direction = warp_sample_sphere(numbers_group4(random, PHOTON_GLOW_GROUP).xy);
     }
     if begins.lands { photon.way.beyond = boundaries_resolve(photon.ray, begins.hit, inside).inside; }
-    wave_put_hit(slot, begins.hit);
+    wave_put_hit(slot, ROW_HIT, begins.hit);
     wave_put_photon(slot, photon);
     if math_is_zero3(photon.flux) { return; }
     if begins.lands {

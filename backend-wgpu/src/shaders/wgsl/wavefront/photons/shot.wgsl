@@ -155,7 +155,7 @@ fn shot_looked(slot: u32) -> bool {
     photon.light = NO_INDEX;
     photon.flux *= first_shot_look_factor(hit.t, blocked);
     hit.t = 0.0f;
-    wave_put_hit(slot, hit);
+    wave_put_hit(slot, ROW_HIT, hit);
     wave_put_photon(slot, photon);
     wave_put(slot, ROW_QUERY, PHOTON_OVER);
     return !math_is_zero3(photon.flux);

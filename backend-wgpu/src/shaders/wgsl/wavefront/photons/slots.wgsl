@@ -2,49 +2,13 @@
 //: use transport::photon
 //: use tree::walk
 //: use wavefront::photons::job
+//: use wavefront::states::rays
 //: if VOLUME
 //: use transport::photon::through
+//: use wavefront::states::media
 //: end
 
 fn element_word(i: u32) -> u32 { return states[job.elements_at + i]; }
-
-fn wave_ray(slot: u32) -> Ray {
-    return Ray(wave_triple(slot, ROW_ORIGIN), wave_triple(slot, ROW_DIRECTION), wave_float(slot, ROW_T_MAX));
-}
-
-fn wave_put_ray(slot: u32, ray: Ray) {
-    wave_put_triple(slot, ROW_ORIGIN, ray.origin);
-    wave_put_triple(slot, ROW_DIRECTION, ray.direction);
-    wave_put_float(slot, ROW_T_MAX, ray.t_max);
-}
-
-fn wave_hit(slot: u32) -> Hit {
-    return Hit(
-        wave_float(slot, ROW_HIT),
-        wave_get(slot, ROW_HIT + 1u),
-        wave_float(slot, ROW_HIT + 2u),
-        wave_float(slot, ROW_HIT + 3u),
-    );
-}
-
-fn wave_put_hit(slot: u32, hit: Hit) {
-    wave_put_float(slot, ROW_HIT, hit.t);
-    wave_put(slot, ROW_HIT + 1u, hit.primitive);
-    wave_put_float(slot, ROW_HIT + 2u, hit.b1);
-    wave_put_float(slot, ROW_HIT + 3u, hit.b2);
-}
-
-//: if VOLUME
-fn wave_inside(slot: u32, row: u32) -> Inside {
-    return vec3(wave_get(slot, row), wave_get(slot, row + 1u), wave_get(slot, row + 2u));
-}
-
-fn wave_put_inside(slot: u32, row: u32, inside: Inside) {
-    wave_put(slot, row, inside.x);
-    wave_put(slot, row + 1u, inside.y);
-    wave_put(slot, row + 2u, inside.z);
-}
-//: end
 
 fn wave_photon(slot: u32) -> Photon {
     let flags = wave_get(slot, ROW_FLAGS);
@@ -142,5 +106,5 @@ fn trace(@builtin(global_invocation_id) id: vec3<u32>) {
         wave_put(slot, ROW_QUERY, select(PHOTON_BLOCKED, PHOTON_CLEAR, hit.primitive == TREE_NOTHING));
         return;
     }
-    wave_put_hit(slot, hit);
+    wave_put_hit(slot, ROW_HIT, hit);
 }
