@@ -107,7 +107,7 @@ fn measure(args: &Args, file: &Path) -> Result<ExitCode, CliError> {
     let mask = args.mask.as_deref().map(|m| mask_of(m, size)).transpose()?;
     let reference = match &args.reference {
         Some(file) => Some(Reference::of_image(read_exr(file)?, file.display().to_string())),
-        None => cached(&args.output, &hash, size),
+        None => Reference::kept(&args.output, &hash, size),
     };
     let mut facts = Facts {
         scene: file.display().to_string(),
@@ -165,16 +165,6 @@ fn mask_of(file: &Path, size: (u32, u32)) -> Result<Vec<bool>, CliError> {
         )));
     }
     Ok(mask.keep)
-}
-
-/// The reference of an earlier report in the folder, if it is of this scene and size.
-fn cached(folder: &Path, hash: &str, size: (u32, u32)) -> Option<Reference> {
-    let file = folder.join("reference.exr");
-    let image = file.is_file().then(|| read_exr(&file).ok()).flatten()?;
-    let about: serde_json::Value = serde_json::from_str(&image.metadata).ok()?;
-    let same = about["scene_hash"].as_str() == Some(hash) && (image.width, image.height) == size;
-    let made_by = about["made_by"].as_str().unwrap_or("an earlier report").to_owned();
-    same.then(|| Reference::of_image(image, format!("{made_by} (of an earlier report)")))
 }
 
 type Sessions = Vec<(&'static str, Box<dyn Session>)>;

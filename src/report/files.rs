@@ -9,7 +9,7 @@ use super::runs::{Run, table_of};
 use super::summary::{Extra, Summary};
 use super::verdict::{Goal, goals};
 use super::words::{self, conclusion};
-use crate::io::{SaveError, write_exr, write_png, write_whole};
+use crate::io::{SaveError, write_png, write_whole};
 use serde::Serialize;
 use serde_json::json;
 use std::fmt::Write as _;
@@ -98,8 +98,7 @@ pub fn write(
         figures.push((figure.title(), figure.svg(&summary)?));
     }
     if let Some(m) = measured.filter(|m| m.reference.seconds > 0.0) {
-        let about = json!({ "scene_hash": facts.scene_hash, "made_by": m.reference.made_by });
-        write_exr(&folder.join("reference.exr"), &m.reference.image(about.to_string()))?;
+        m.reference.keep(folder, &facts.scene_hash)?;
     }
     put("report.html", page(&told, &figures, pictures.as_ref()).as_bytes())?;
     Ok((summary, sentences))

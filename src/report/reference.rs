@@ -2,8 +2,13 @@
 
 use super::{Picture, ReportError};
 use crate::driver::{Outcome, estimate_error};
-use crate::io::RenderImage;
+use crate::io::{RenderImage, SaveError, read_exr, write_exr};
 use etendue_core::film::Film;
+use serde_json::json;
+use std::path::Path;
+
+/// Its file in the folder of a report.
+const FILE: &str = "reference.exr";
 
 /// A reference image.
 #[derive(Clone, Debug)]
@@ -54,16 +59,29 @@ impl Reference {
         })
     }
 
-    /// As a file holds it.
-    pub fn image(&self, metadata: String) -> RenderImage {
-        RenderImage {
+    /// Keeps it in a folder, for later reports of the scene of this hash.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(super) fn keep(&self, folder: &Path, scene_hash: &str) -> Result<(), SaveError> {
+        let image = RenderImage {
             width: self.size.0,
             height: self.size.1,
             radiance: self.radiance.clone(),
             variance: self.variance.clone(),
             sample_count: None,
-            metadata,
-        }
+            metadata: json!({ "scene_hash": scene_hash, "made_by": self.made_by }).to_string(),
+        };
+        write_exr(&folder.join(FILE), &image)
+    }
+
+    /// That which an earlier report has kept in a folder, if it is of this scene and size.
+    pub fn kept(folder: &Path, scene_hash: &str, size: (u32, u32)) -> Option<Self> {
+        let image = read_exr(&folder.join(FILE)).ok()?;
+        let about: serde_json::Value = serde_json::from_str(&image.metadata).ok()?;
+        let made_by = format!("{} (of an earlier report)", about["made_by"].as_str()?);
+        let same = about["scene_hash"] == scene_hash && (image.width, image.height) == size;
+        same.then(|| Self::of_image(image, made_by))
     }
 
     /// Its own standard error: `[rel_error, root of rel_mse]`. Zeros where it is taken as exact.
