@@ -6,6 +6,7 @@
 pub mod bc1;
 mod bidirectional;
 mod blocks;
+mod kept;
 mod linear;
 pub mod linear_triangle;
 pub mod log_offset;
@@ -24,7 +25,9 @@ use std::sync::Arc;
 
 /// The trees that sessions walk.
 pub use etendue_tree as tree;
+pub use kept::Kept;
 pub use linear::{Linear, ParallelOperator, WideOperator, WideStripe};
+pub use photons::first_shot;
 pub use radiosity::{Radiosity, Walker};
 pub use session::CpuSession;
 

@@ -226,9 +226,7 @@ impl Radiosity {
         settings: &PatchSettings,
         walker: Walker<'_>,
     ) -> Result<PatchMap, BackendError> {
-        if let Some(missing) = beyond_patches(scene) {
-            return Err(BackendError::SceneNeeds { method: "radiosity", missing });
-        }
+        BackendError::unless_covered("radiosity", beyond_patches(scene))?;
         let reached = reached(&self.linear, (scene, tree), &elements, settings.seed, walker)?;
         Ok(patches(&self.linear, (scene, tree), elements, settings, &reached))
     }

@@ -1,6 +1,7 @@
 //! A scene with its tree, and the jobs on it.
 
 use crate::bidirectional::{self, Place};
+use crate::kept::Kept;
 use crate::linear::Linear;
 use crate::photons::{self, Photons, Target};
 use crate::radiosity::Radiosity;
@@ -11,8 +12,8 @@ use etendue_core::backend::{
     self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob,
     PhotonJob, PhotonStart, Probe, Session,
 };
-use etendue_core::film::{Film, FilmError, FilmSettings};
-use etendue_core::illumination::{ElementSettings, Elements, Sides};
+use etendue_core::film::{Film, FilmSettings};
+use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::medium::Inside;
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
 use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
@@ -25,36 +26,13 @@ use etendue_core::scene::CompiledScene;
 use etendue_core::transport::first_shot::{self, FirstShot, FirstShotError, Forecast, Subdivision, Weights};
 use etendue_core::transport::gather::{MapView, ProbePlace};
 use etendue_core::transport::volume::{
-    Airlight, LightMedia, SingleScatter, Surroundings, has_airlight, inside_of_probe, probe_starts,
+    Airlight, LightMedia, SingleScatter, Surroundings, has_airlight, probe_starts,
 };
-use etendue_core::transport::{Paths, ProbeStart, TransportCode, place_probe};
+use etendue_core::transport::{Paths, ProbeStart, TransportCode};
 use etendue_core::with_tracer;
 use std::convert::Infallible;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
-
-/// What was made last, kept until something else is asked for.
-#[derive(Debug)]
-struct Kept<K, V>(Mutex<Option<(K, Arc<V>)>>);
-
-impl<K: PartialEq + Clone, V> Kept<K, V> {
-    fn new() -> Self {
-        Self(Mutex::new(None))
-    }
-
-    fn get<E>(&self, key: &K, make: impl FnOnce() -> Result<V, E>) -> Result<Arc<V>, E> {
-        // A panic elsewhere leaves nothing half-made here.
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((of, value)) = &*kept
-            && of == key
-        {
-            return Ok(value.clone());
-        }
-        let value = Arc::new(make()?);
-        *kept = Some((key.clone(), value.clone()));
-        Ok(value)
-    }
-}
 
 /// A scene opened on the CPU.
 #[derive(Debug)]
@@ -87,8 +65,8 @@ impl CpuSession {
             code,
             surroundings,
             media: OnceLock::new(),
-            shot: Kept::new(),
-            elements: Kept::new(),
+            shot: Kept::default(),
+            elements: Kept::default(),
         })
     }
 
@@ -126,7 +104,7 @@ impl CpuSession {
         weights: Weights,
     ) -> Result<(FirstShot, u64), FirstShotError> {
         let place = (&self.tree, self.media());
-        photons::first_shot(&self.pool, &self.scene, place, subdivision, weights)
+        self.pool.install(|| photons::first_shot(&self.scene, place, subdivision, weights))
     }
 
     fn radiosity(&self) -> Radiosity {
@@ -177,23 +155,7 @@ impl CpuSession {
 
     /// Probes on their surfaces. Without a final gather each needs one.
     fn places(&self, probes: &[Probe], gather: bool) -> Result<Vec<ProbePlace>, BackendError> {
-        let places: Vec<_> = backend::check_probes(probes)?
-            .into_iter()
-            .map(|(p, n)| {
-                let place = place_probe(&self.scene, &self.tree, p, n);
-                let outside = self.surroundings.outside;
-                let inside = inside_of_probe(&self.scene, &self.tree, outside, (&place.point, n));
-                ProbePlace { inside, ..place }
-            })
-            .collect();
-        match places.iter().position(|p| p.hit.is_none()) {
-            Some(index) if !gather => {
-                let reason =
-                    "it lies on no surface, and a map is read on surfaces alone: a final gather needs none";
-                Err(BackendError::BadProbe { index, reason })
-            }
-            _ => Ok(places),
-        }
+        backend::place_probes((&self.scene, &self.tree), self.surroundings.outside, probes, gather)
     }
 
     fn read(
@@ -205,11 +167,7 @@ impl CpuSession {
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
         let elements = self.elements(&map.elements);
-        if map.elements.sides != Sides::Apart || map.values.len() != elements.count() {
-            return Err(BackendError::BadJob {
-                reason: "the map has another number of elements than the scene, or its sides are together",
-            });
-        }
+        map.check(&elements)?;
         let view = MapView { elements: &elements, all: map.values, caustics: &[] };
         photons::read(
             &self.pool,
@@ -225,33 +183,22 @@ impl CpuSession {
     /// Surfaces alone.
     fn check(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
         job.check()?;
-        check_needs("radiosity", self.scene.needs.beyond_surfaces())?;
-        same_film(film, expected)
+        BackendError::unless_covered("radiosity", self.scene.needs.beyond_surfaces())?;
+        Ok(film.check(expected)?)
     }
 
     /// What photons carry.
     fn check_photons(&self, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
-        check_needs("photon", self.scene.needs.beyond_photons())?;
-        same_film(film, expected)
+        BackendError::unless_covered("photon", self.scene.needs.beyond_photons())?;
+        Ok(film.check(expected)?)
     }
 
     /// What paths carry.
     fn check_paths(&self, job: &PathJob, film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
         job.check()?;
-        check_needs("path", self.scene.needs.beyond_paths())?;
-        same_film(film, expected)
+        BackendError::unless_covered("path", self.scene.needs.beyond_paths())?;
+        Ok(film.check(expected)?)
     }
-}
-
-fn check_needs(method: &'static str, missing: Option<String>) -> Result<(), BackendError> {
-    missing.map_or(Ok(()), |missing| Err(BackendError::SceneNeeds { method, missing }))
-}
-
-fn same_film(film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
-    if film.settings() == expected {
-        return Ok(());
-    }
-    Err(FilmError::DifferentSettings { ours: *film.settings(), theirs: *expected }.into())
 }
 
 widest! {
@@ -386,7 +333,7 @@ impl Session for CpuSession {
     }
 
     fn forecast(&self, subdivision: &Subdivision, photons: u64) -> Result<Forecast, BackendError> {
-        check_needs("photon", self.scene.needs.beyond_photons())?;
+        BackendError::unless_covered("photon", self.scene.needs.beyond_photons())?;
         Ok(first_shot::forecast(&self.scene, (&self.tree, self.media()), subdivision, photons)?)
     }
 

@@ -4,7 +4,7 @@ use etendue_core::backend::{
     self, Arithmetic, Backend, BackendError, BackendInfo, BidirectionalJob, Capabilities, Control, JobStats,
     PathJob, Probe, Session,
 };
-use etendue_core::film::{Film, FilmError, FilmSettings};
+use etendue_core::film::{Film, FilmSettings};
 use etendue_core::geometry::Bvh2;
 use etendue_core::kernel::{self, Kernel};
 use etendue_core::medium::Inside;
@@ -64,13 +64,8 @@ pub fn check_job(
     expected: &FilmSettings,
 ) -> Result<(), BackendError> {
     job.check()?;
-    if let Some(missing) = scene.needs.beyond_paths() {
-        return Err(BackendError::SceneNeeds { method: "path", missing });
-    }
-    if film.settings() != expected {
-        return Err(FilmError::DifferentSettings { ours: *film.settings(), theirs: *expected }.into());
-    }
-    Ok(())
+    BackendError::unless_covered("path", scene.needs.beyond_paths())?;
+    Ok(film.check(expected)?)
 }
 
 /// Computes the blocks of a job one after the other and adds them at the end.

@@ -107,6 +107,17 @@ impl Film {
         &self.settings
     }
 
+    /// Whether it was made for these.
+    ///
+    /// # Errors
+    /// [`FilmError::DifferentSettings`].
+    pub fn check(&self, expected: &FilmSettings) -> Result<(), FilmError> {
+        if self.settings == *expected {
+            return Ok(());
+        }
+        Err(FilmError::DifferentSettings { ours: self.settings, theirs: *expected })
+    }
+
     /// Number of elements.
     pub fn len(&self) -> usize {
         self.elements.len()
@@ -169,9 +180,7 @@ impl Film {
     /// # Errors
     /// When the settings differ or a block is in both.
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
-        if self.settings != other.settings {
-            return Err(FilmError::DifferentSettings { ours: self.settings, theirs: other.settings });
-        }
+        self.check(&other.settings)?;
         for r in &other.blocks {
             self.check_range(r)?;
         }

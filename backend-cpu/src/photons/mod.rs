@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 pub(crate) use direct::direct;
 pub(crate) use gather::{Target, gather, read};
 use starts::Source;
-pub(crate) use starts::first_shot;
+pub use starts::first_shot;
 use sums::{Part, Sums};
 
 /// Photons of one task, and between two looks at the control.

@@ -12,21 +12,21 @@ use etendue_core::transport::photon::{LightPlan, Photon, PhotonFlight, Replicate
 use etendue_core::transport::volume::LightMedia;
 use rayon::prelude::*;
 
-/// The density of starts on surfaces, and the shadow rays it took. The same for any number of threads.
-pub(crate) fn first_shot(
-    pool: &rayon::ThreadPool,
+/// The density of starts on surfaces, and the shadow rays it took, on the threads of the pool that the caller is in. The same for any number of them.
+///
+/// # Errors
+/// [`FirstShotError`].
+pub fn first_shot(
     scene: &CompiledScene,
     (tree, media): (&Tree, &LightMedia),
     subdivision: &Subdivision,
     weights: Weights,
 ) -> Result<(FirstShot, u64), FirstShotError> {
     let plan = StartPlan::new(scene, media, *subdivision)?;
-    let parts: Vec<(Vec<LitPiece>, u64)> = pool.install(|| {
-        (0..plan.tasks())
-            .into_par_iter()
-            .map_init(Workspace::new, |workspace, task| plan.task(tree, task, workspace))
-            .collect()
-    });
+    let parts: Vec<(Vec<LitPiece>, u64)> = (0..plan.tasks())
+        .into_par_iter()
+        .map_init(Workspace::new, |workspace, task| plan.task(tree, task, workspace))
+        .collect();
     let rays = parts.iter().map(|p| p.1).sum();
     let mut pieces = Vec::with_capacity(parts.iter().map(|p| p.0.len()).sum());
     for (mut part, _) in parts {

@@ -1,6 +1,7 @@
 //! What waves of samples from both ends have beside those of paths: annexes for what their states are too short for, what lands in other pixels, and what lights send into.
 
 use super::features;
+use super::scene::light_media_words;
 use super::wave::Form;
 use etendue_core::backend::{BidirectionalJob, PathJob};
 use etendue_core::film::FilmSettings;
@@ -33,16 +34,12 @@ pub(crate) struct BothEnds {
 
 impl BothEnds {
     pub(super) fn new(job: &BidirectionalJob, scene: &CompiledScene, media: &LightMedia) -> Self {
-        let all: Vec<_> = (0..scene.lights.len()).map(|light| media.all_over(light)).collect();
-        let words = |inside: &Option<_>| {
-            let [a, b, c] = inside.unwrap_or(media.outside()).packed();
-            [u32::from(inside.is_some()), a, b, c]
-        };
+        let lights = 0..scene.lights.len();
         Self {
             heuristic: job.heuristic,
             only: job.only,
-            lights: all.iter().flat_map(words).collect(),
-            search: all.iter().any(Option::is_none),
+            lights: lights.clone().flat_map(|light| light_media_words(media, light)).collect(),
+            search: lights.clone().any(|light| media.all_over(light).is_none()),
         }
     }
 }

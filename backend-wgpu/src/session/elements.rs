@@ -38,12 +38,11 @@ impl ElementBuffers {
         let numbers: Vec<u32> = lights.map(|(_, number)| number).collect();
         words.extend(&numbers);
         let lights = [first_light, numbers.len() as u32];
-        let (inside, outside) = media.parts();
-        words.extend(outside.packed());
+        words.extend(media.outside().packed());
         for number in numbers {
             // A light without size sends into the same all over it.
-            let of = inside.get(number as usize).copied().flatten();
-            words.extend(of.unwrap_or(outside).packed());
+            let of = media.all_over(number as usize);
+            words.extend(of.unwrap_or(media.outside()).packed());
         }
         let word_count = words.len() as u64;
         let words = gpu.scoped(|| gpu.upload("elements", &words))?;

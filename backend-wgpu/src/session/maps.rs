@@ -3,31 +3,18 @@
 use super::WgpuSession;
 use super::gather::{Map, Target, blocks};
 use super::photons::PhotonTask;
-use super::same_film;
 use super::task::Task as _;
 use crate::gpu::Gpu;
 use etendue_core::backend::{
     self, BackendError, Control, GatherJob, GivenMap, JobStats, PathJob, PhotonJob, PhotonStart, Probe,
-    Session as _, check_probes,
+    Session as _,
 };
-use etendue_core::direct::subdivide::Workspace;
 use etendue_core::film::{Film, FilmSettings};
-use etendue_core::illumination::{Elements, Sides};
-use etendue_core::transport::first_shot::{
-    FirstShot, FirstShotError, LitPiece, StartPlan, Subdivision, Weights,
-};
+use etendue_core::illumination::Elements;
+use etendue_core::transport::first_shot::{FirstShot, FirstShotError};
 use etendue_core::transport::gather::ProbePlace;
-use etendue_core::transport::place_probe;
-use etendue_core::transport::volume::{LightMedia, inside_of_probe};
-use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// A density of photons' starts, and what it was made of.
-type Shot = ((Subdivision, Weights), Arc<FirstShot>);
-
-/// The density of photons' starts that was asked for last.
-#[derive(Debug, Default)]
-pub(super) struct KeptShot(Mutex<Option<Shot>>);
+use etendue_core::transport::volume::LightMedia;
+use std::sync::Arc;
 
 impl WgpuSession {
     /// An illumination map as a task that never waits.
@@ -50,20 +37,11 @@ impl WgpuSession {
     /// The density of a job that starts on surfaces. Its pieces are cut by the host, whose tree is at hand.
     fn shot_of(&self, job: &PhotonJob) -> Result<Option<Arc<FirstShot>>, FirstShotError> {
         let PhotonStart::Surfaces { subdivision, weights } = job.start else { return Ok(None) };
-        let mut kept = self.shot.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((of, shot)) = &*kept
-            && *of == (subdivision, weights)
-        {
-            return Ok(Some(shot.clone()));
-        }
-        let plan = StartPlan::new(&self.scene, self.media(), subdivision)?;
-        let parts: Vec<Vec<LitPiece>> = (0..plan.tasks())
-            .into_par_iter()
-            .map_init(Workspace::new, |workspace, task| plan.task(&self.tree, task, workspace).0)
-            .collect();
-        let shot = Arc::new(FirstShot::new(&plan, parts.concat(), weights)?);
-        *kept = Some(((subdivision, weights), shot.clone()));
-        Ok(Some(shot))
+        let make = || {
+            let place = (&self.tree, self.media());
+            etendue_cpu::first_shot(&self.scene, place, &subdivision, weights).map(|made| made.0)
+        };
+        self.shot.get(&(subdivision, weights), make).map(Some)
     }
 
     fn photons(
@@ -90,7 +68,7 @@ impl WgpuSession {
         let elements = self.elements(&job.elements);
         let expected = backend::illumination_film_settings(&self.scene, &elements, job)?;
         self.check_photons()?;
-        same_film(film, &expected)?;
+        film.check(&expected)?;
         let shot = self.shot_of(job)?;
         let (part, stats) = self.source.run(|gpu| {
             self.photons(gpu, (job, shot.as_deref()), &elements, false, &expected)?.drive(control)
@@ -101,11 +79,7 @@ impl WgpuSession {
 
     /// What photons carry.
     pub(super) fn check_photons(&self) -> Result<(), BackendError> {
-        let needs = &self.scene.needs;
-        if let Some(missing) = needs.beyond_photons() {
-            return Err(BackendError::SceneNeeds { method: "photon", missing });
-        }
-        Ok(())
+        BackendError::unless_covered("photon", self.scene.needs.beyond_photons())
     }
 
     pub(super) fn image_target(&self, width: u32) -> Target<'static> {
@@ -114,23 +88,7 @@ impl WgpuSession {
 
     /// Probes on their surfaces. Without a final gather each needs one.
     pub(super) fn places(&self, probes: &[Probe], gather: bool) -> Result<Vec<ProbePlace>, BackendError> {
-        let outside = self.surroundings.outside;
-        let places: Vec<_> = check_probes(probes)?
-            .into_iter()
-            .map(|(p, n)| {
-                let place = place_probe(&self.scene, &self.tree, p, n);
-                let inside = inside_of_probe(&self.scene, &self.tree, outside, (&place.point, n));
-                ProbePlace { inside, ..place }
-            })
-            .collect();
-        match places.iter().position(|p| p.hit.is_none()) {
-            Some(index) if !gather => {
-                let reason =
-                    "it lies on no surface, and a map is read on surfaces alone: a final gather needs none";
-                Err(BackendError::BadProbe { index, reason })
-            }
-            _ => Ok(places),
-        }
+        backend::place_probes((&self.scene, &self.tree), self.surroundings.outside, probes, gather)
     }
 
     /// An image or probes, by maps of the job's own photons.
@@ -143,7 +101,7 @@ impl WgpuSession {
     ) -> Result<JobStats, BackendError> {
         job.check(&self.scene)?;
         self.check_photons()?;
-        same_film(film, expected)?;
+        film.check(expected)?;
         let maps = job.maps(target.edges());
         let elements = self.elements(&maps.elements);
         let settings = backend::illumination_film_settings(&self.scene, &elements, &maps)?;
@@ -186,16 +144,10 @@ impl WgpuSession {
         film: &mut Film,
     ) -> Result<JobStats, BackendError> {
         job.check()?;
-        if let Some(missing) = self.scene.needs.beyond_surfaces() {
-            return Err(BackendError::SceneNeeds { method: "radiosity", missing });
-        }
-        same_film(film, expected)?;
+        BackendError::unless_covered("radiosity", self.scene.needs.beyond_surfaces())?;
+        film.check(expected)?;
         let elements = self.elements(&map.elements);
-        if map.elements.sides != Sides::Apart || map.values.len() != elements.count() {
-            return Err(BackendError::BadJob {
-                reason: "the map has another number of elements than the scene, or its sides are together",
-            });
-        }
+        map.check(&elements)?;
         let (part, stats) = self.source.run(|gpu| {
             let (buffers, elements) =
                 (self.buffers(gpu)?, self.elements.on(gpu, (&self.scene, self.media()), &elements)?);

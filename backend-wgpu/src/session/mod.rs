@@ -32,7 +32,7 @@ use etendue_core::backend::{
     self, BackendError, BidirectionalJob, Control, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob,
     PhotonJob, Probe, Session, check_probes,
 };
-use etendue_core::film::{Film, FilmError, FilmSettings};
+use etendue_core::film::{Film, FilmSettings};
 use etendue_core::illumination::{ElementSettings, Elements};
 use etendue_core::radiosity::blocks::{self, BlockError, BlockOperator};
 use etendue_core::radiosity::form_factors::near::{NearPair, NearSettings};
@@ -43,12 +43,11 @@ use etendue_core::radiosity::relight::{RelightError, Relighter, Symmetric, Works
 use etendue_core::radiosity::tiles::{Kind, RateCurves, Rates, TileError, Tiles};
 use etendue_core::radiosity::transfer::Transfer;
 use etendue_core::scene::CompiledScene;
-use etendue_core::transport::first_shot::{self, Forecast, Subdivision};
+use etendue_core::transport::first_shot::{self, FirstShot, Forecast, Subdivision, Weights};
 use etendue_core::transport::volume::{LightMedia, SingleScatter, Surroundings, has_airlight, probe_starts};
-use etendue_cpu::Radiosity;
+use etendue_cpu::{Kept, Radiosity};
 use etendue_tree::WideTree;
 use gather::Target;
-use maps::KeptShot;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
@@ -66,7 +65,8 @@ pub struct WgpuSession {
     elements: KeptElements,
     /// What the lights send into, once it is asked for.
     media: OnceLock<LightMedia>,
-    shot: KeptShot,
+    /// The density of photons' starts that was asked for last.
+    shot: Kept<(Subdivision, Weights), FirstShot>,
     operators: Prepared,
     /// What of a bake the host does.
     host: Radiosity,
@@ -86,7 +86,7 @@ impl WgpuSession {
             preparation: Vec::new(),
             elements: KeptElements::default(),
             media: OnceLock::new(),
-            shot: KeptShot::default(),
+            shot: Kept::default(),
             sent: Mutex::new(None),
             operators: Prepared::default(),
             host: Radiosity::default(),
@@ -206,11 +206,7 @@ impl WgpuSession {
     /// What paths carry.
     fn check_paths(&self, job: &PathJob) -> Result<(), BackendError> {
         job.check()?;
-        let needs = &self.scene.needs;
-        if let Some(missing) = needs.beyond_paths() {
-            return Err(BackendError::SceneNeeds { method: "path", missing });
-        }
-        Ok(())
+        BackendError::unless_covered("path", self.scene.needs.beyond_paths())
     }
 
     fn run(
@@ -225,13 +221,6 @@ impl WgpuSession {
         film.merge(&part)?;
         Ok(stats)
     }
-}
-
-fn same_film(film: &Film, expected: &FilmSettings) -> Result<(), BackendError> {
-    if film.settings() == expected {
-        return Ok(());
-    }
-    Err(FilmError::DifferentSettings { ours: *film.settings(), theirs: *expected }.into())
 }
 
 impl Session for WgpuSession {
@@ -255,7 +244,7 @@ impl Session for WgpuSession {
     ) -> Result<JobStats, BackendError> {
         let expected = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
-        same_film(film, &expected)?;
+        film.check(&expected)?;
         self.run((job, &Estimator::Path), &self.image(expected.width), control, film)
     }
 
@@ -268,7 +257,7 @@ impl Session for WgpuSession {
     ) -> Result<JobStats, BackendError> {
         let expected = backend::probe_film_settings(&self.scene, job, probes.len());
         self.check_paths(job)?;
-        same_film(film, &expected)?;
+        film.check(&expected)?;
         self.run((job, &Estimator::Path), &self.probes(probes)?, control, film)
     }
 
@@ -282,7 +271,7 @@ impl Session for WgpuSession {
         let estimator = self.airlight(job, single)?;
         let expected = backend::image_film_settings(&self.scene, job)?;
         self.check_paths(job)?;
-        same_film(film, &expected)?;
+        film.check(&expected)?;
         self.run((job, &estimator), &self.image(expected.width), control, film)
     }
 
@@ -294,7 +283,7 @@ impl Session for WgpuSession {
     ) -> Result<JobStats, BackendError> {
         let expected = backend::image_film_settings(&self.scene, &job.path)?;
         self.check_paths(&job.path)?;
-        same_film(film, &expected)?;
+        film.check(&expected)?;
         let estimator = self.both_ends(job);
         self.run((&job.path, &estimator), &self.image(expected.width), control, film)
     }
@@ -308,7 +297,7 @@ impl Session for WgpuSession {
     ) -> Result<JobStats, BackendError> {
         let expected = backend::probe_film_settings(&self.scene, &job.path, probes.len());
         self.check_paths(&job.path)?;
-        same_film(film, &expected)?;
+        film.check(&expected)?;
         let estimator = self.both_ends(job);
         self.run((&job.path, &estimator), &self.probes(probes)?, control, film)
     }
@@ -323,7 +312,7 @@ impl Session for WgpuSession {
         let elements = self.elements(elements);
         let expected = backend::direct_film_settings(&self.scene, &elements, job);
         self.check_direct(job)?;
-        same_film(film, &expected)?;
+        film.check(&expected)?;
         let (part, stats) =
             self.source.run(|gpu| self.direct(gpu, job, &elements, &expected)?.drive(control))?;
         film.merge(&part)?;

@@ -4,9 +4,17 @@ use crate::gpu::{Buffer, Gpu};
 use bytemuck::{Pod, Zeroable};
 use etendue_core::backend::BackendError;
 use etendue_core::scene::{CoatRecord, CompiledScene};
+use etendue_core::transport::volume::LightMedia;
 use etendue_tree::layout::{Block, NOTHING, Node};
 use etendue_tree::{WideTree, layout};
 use std::borrow::Cow;
+
+/// Whether it is known what a light sends into, wherever on it, and that; or what lies around the scene.
+pub(super) fn light_media_words(media: &LightMedia, light: usize) -> [u32; 4] {
+    let known = media.all_over(light);
+    let [a, b, c] = known.unwrap_or(media.outside()).packed();
+    [u32::from(known.is_some()), a, b, c]
+}
 
 macro_rules! offsets {
     ($($(#[$doc:meta])* $field:ident,)*) => {

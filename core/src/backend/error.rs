@@ -86,6 +86,16 @@ pub enum BackendError {
     Cancelled,
 }
 
+impl BackendError {
+    /// [`Self::SceneNeeds`] where the scene needs something that a method lacks.
+    ///
+    /// # Errors
+    /// That.
+    pub fn unless_covered(method: &'static str, missing: Option<String>) -> Result<(), Self> {
+        missing.map_or(Ok(()), |missing| Err(Self::SceneNeeds { method, missing }))
+    }
+}
+
 impl fmt::Display for BackendError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

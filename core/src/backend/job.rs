@@ -1,12 +1,17 @@
 //! Jobs: what is to be computed, and what decides its bits.
 
 use super::BackendError;
-use crate::illumination::{ElementSettings, Sides};
+use crate::geometry::Intersector;
+use crate::illumination::{ElementSettings, Elements, Sides};
 use crate::math::Vec3;
+use crate::medium::Inside;
 use crate::scene::CompiledScene;
 use crate::transport::bidirectional::{self, Heuristic};
 use crate::transport::first_shot::{Subdivision, Weights};
+use crate::transport::gather::ProbePlace;
 use crate::transport::photon::Sequence;
+use crate::transport::place_probe;
+use crate::transport::volume::inside_of_probe;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -218,6 +223,21 @@ pub struct GivenMap<'a> {
     pub gather: bool,
 }
 
+impl GivenMap<'_> {
+    /// Checks that it is one of these elements.
+    ///
+    /// # Errors
+    /// [`BackendError::BadJob`]: another number of elements, or sides together.
+    pub fn check(&self, elements: &Elements) -> Result<(), BackendError> {
+        if self.elements.sides == Sides::Apart && self.values.len() == elements.count() {
+            return Ok(());
+        }
+        Err(BackendError::BadJob {
+            reason: "the map has another number of elements than the scene, or its sides are together",
+        })
+    }
+}
+
 /// Rays between patches.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FormFactorJob {
@@ -255,4 +275,32 @@ pub fn check_probes(probes: &[Probe]) -> Result<Vec<(Vec3, Vec3)>, BackendError>
         out.push((Vec3::from_array(p.position), n));
     }
     Ok(out)
+}
+
+/// Probes on the surfaces on which they lie, and the media there; `outside`: those around the scene. Without a final gather each needs a surface.
+///
+/// # Errors
+/// As [`check_probes`]; also the first probe that lies on none where one is needed.
+pub fn place_probes<I: Intersector + ?Sized>(
+    (scene, intersector): (&CompiledScene, &I),
+    outside: Inside,
+    probes: &[Probe],
+    gather: bool,
+) -> Result<Vec<ProbePlace>, BackendError> {
+    let places: Vec<_> = check_probes(probes)?
+        .into_iter()
+        .map(|(p, n)| {
+            let place = place_probe(scene, intersector, p, n);
+            let inside = inside_of_probe(scene, intersector, outside, (&place.point, n));
+            ProbePlace { inside, ..place }
+        })
+        .collect();
+    match places.iter().position(|p| p.hit.is_none()) {
+        Some(index) if !gather => {
+            let reason =
+                "it lies on no surface, and a map is read on surfaces alone: a final gather needs none";
+            Err(BackendError::BadProbe { index, reason })
+        }
+        _ => Ok(places),
+    }
 }

@@ -13,7 +13,7 @@ pub use error::BackendError;
 pub use film::{direct_film_settings, illumination_film_settings, image_film_settings, probe_film_settings};
 pub use job::{
     BidirectionalJob, FormFactorJob, GatherJob, GivenMap, JobStats, PathJob, PhotonJob, PhotonStart, Probe,
-    check_probes,
+    check_probes, place_probes,
 };
 
 use crate::film::Film;

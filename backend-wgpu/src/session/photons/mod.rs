@@ -97,7 +97,8 @@ impl PhotonTask {
         let plan = LightPlan::new(scene).map_err(|_| BackendError::Dark)?;
         let surfaces = matches!(job.start, PhotonStart::Surfaces { .. });
         // What lights send into is known of most.
-        let searches = !scene.glows.is_empty() || media.parts().0.contains(&None);
+        let searches =
+            !scene.glows.is_empty() || (0..scene.lights.len()).any(|light| media.all_over(light).is_none());
         let follows = scene.needs.volume() && (surfaces || searches);
         let kind = Kind { sorted: job.sequence == Sequence::Sorted, surfaces, follows };
         let wave = Wave::new(gpu, scene, buffers.stack, kind)?;

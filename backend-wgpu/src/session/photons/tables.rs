@@ -1,6 +1,7 @@
 //! What shaders of photons ask of a job: a few numbers in a uniform, and tables behind the states.
 
 use crate::session::elements::ElementBuffers;
+use crate::session::scene::light_media_words;
 use bytemuck::{Pod, Zeroable};
 use etendue_core::backend::{PhotonJob, PhotonStart};
 use etendue_core::geometry::HilbertGrid;
@@ -85,12 +86,9 @@ impl Tables {
             (shot.pairs() as u32, parts.entries.len() as u32)
         });
         let media_at = tables_at as u32 + words.len() as u32;
-        let (inside, outside) = media.parts();
-        words.extend(outside.packed());
-        for inside in inside {
-            words.push(u32::from(inside.is_some()));
-            words.extend(inside.unwrap_or_default().packed());
-        }
+        words.extend(media.outside().packed());
+        let lights = if scene.needs.media { scene.lights.len() } else { 0 };
+        words.extend((0..lights).flat_map(|light| light_media_words(media, light)));
         let glows_at = tables_at as u32 + words.len() as u32;
         for (glow, index) in scene.glows.iter().zip(scene.lights.len() + 1..) {
             words.push(u32::from(glow.medium));
@@ -130,7 +128,7 @@ impl Tables {
             pieces,
             entries,
             media_at,
-            media_count: inside.len() as u32,
+            media_count: lights as u32,
             glows_at,
             glows: scene.glows.len() as u32,
             ..Numbers::default()

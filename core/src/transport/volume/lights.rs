@@ -76,11 +76,6 @@ impl LightMedia {
         self.outside
     }
 
-    /// What a device needs of it: of each light what it sends into, where that is the same all over it, and what is outside. Without media there are no lights in the list.
-    pub fn parts(&self) -> (&[Option<Inside>], Inside) {
-        (&self.inside, self.outside)
-    }
-
     /// The media in which a photon of entry `index` of what emits starts at `origin`.
     pub fn of<I: Intersector + ?Sized>(
         &self,
