@@ -23,6 +23,7 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+import mitsuba as mi
 import numpy as np
 
 import luxcore
@@ -120,10 +121,9 @@ def write(file, image):
 def mask(scene, folder):
     """A picture of the pixels that count."""
     kept = luxcore.counted(scene)
-    file = Path(folder) / "mask.pgm.png"
-    from PIL import Image
-
-    Image.fromarray(np.where(kept, 255, 0).astype(np.uint8)).convert("RGB").save(file)
+    file = Path(folder) / "mask.png"
+    grey = np.where(kept, 255, 0).astype(np.uint8)
+    mi.Bitmap(np.repeat(grey[:, :, None], 3, axis=2)).write(str(file))
     return file
 
 
