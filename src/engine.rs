@@ -75,6 +75,19 @@ pub fn adapters() -> Vec<String> {
     Vec::new()
 }
 
+/// Whether the adapter of this description (as of [`adapters`]) is the processor playing a GPU: right, but its speed says nothing about GPUs.
+pub fn is_software(adapter: &str) -> bool {
+    #[cfg(feature = "wgpu")]
+    {
+        etendue_wgpu::adapters().iter().any(|a| a.software && a.to_string() == adapter)
+    }
+    #[cfg(not(feature = "wgpu"))]
+    {
+        let _ = adapter;
+        false
+    }
+}
+
 #[cfg(feature = "cpu")]
 fn cpu(threads: Option<usize>) -> Result<Box<dyn Backend>, BackendError> {
     match etendue_cpu::CpuBackend::new(threads) {

@@ -6,7 +6,7 @@
     python3 benches/peers/curves.py $ETENDUE_SCENES/closed_cornell/area.toml $ETENDUE_SCENES/closed_cornell/area_ref.exr -o runs.csv
     target/release/etendue report --runs runs.csv -o curves
 
-Scenes: diffuse, of OBJ files, rectangles and point lights, with boxes of fog behind null boundaries (`volpath` of Mitsuba then; LuxCore sits out). Every error is by `etendue compare`, pixels within one of a lamp that is seen directly left out.
+Scenes: diffuse, of OBJ files, rectangles and point lights, with boxes of fog behind null boundaries (`volpath` of Mitsuba then). Every error is by `etendue compare`, pixels within one of a lamp that is seen directly left out.
 All renderers have the same threads (--threads). Seconds are of the clock: of the render call for Mitsuba (after one to warm it up) and LuxCore (from start to stop), and etendue's own stages for etendue; CPU seconds are user and system of the same.
 """
 
@@ -21,6 +21,7 @@ import sys
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
+from importlib.metadata import version
 from pathlib import Path
 
 import mitsuba as mi
@@ -33,7 +34,8 @@ COLUMNS = (
     "method variant backend effort rung replicate samples seconds cpu_seconds stages rays bytes rel_error rel_mse energy_error "
     "bias_r bias_g bias_b block_5 block_50 block_95 worst_block flip z_pass"
 ).split()
-LADDER = [4, 16, 64]
+# Samples per pixel, by what one costs; a block of ours has 16.
+FEW, SOME, MANY = [1, 4, 16], [4, 16, 64], [16, 64, 256]
 
 
 def cpu(who):
@@ -46,12 +48,11 @@ class Etendue:
 
     backend = "cpu"
 
-    def __init__(self, program, scene, method, threads, more=()):
+    def __init__(self, program, scene, method, threads, ladder, more=()):
         self.program, self.scene, self.threads = program, scene, threads
         self.method, self.options = method, ["--method", method, *more]
         self.variant = "gather" if "--gather" in more else ""
-        # Blocks have at least 16 samples.
-        self.ladder = [4 * n for n in LADDER]
+        self.ladder = ladder
 
     def run(self, samples, seed, file):
         command = [self.program, "render", self.scene, "-o", file, *self.options, "--samples", str(samples)]
@@ -73,11 +74,11 @@ class Etendue:
 class MitsubaPath:
     """Mitsuba's path tracer; it lives in this process."""
 
-    backend, variant = "mitsuba", ""
+    backend, variant = f"Mitsuba {mi.__version__}", "llvm"
 
     def __init__(self, scene, threads):
         self.peer = Mitsuba(scene, threads)
-        self.method, self.ladder = self.peer.method, LADDER
+        self.method, self.ladder = self.peer.method, MANY
 
     def run(self, samples, seed, file):
         clock, before = time.perf_counter(), cpu(resource.RUSAGE_SELF)
@@ -90,7 +91,7 @@ class MitsubaPath:
 class LuxCore:
     """LuxCore, in a process of its own for each run."""
 
-    backend = "luxcore"
+    backend = f"LuxCore {version('pyluxcore')}"
 
     def __init__(self, scene, threads, method, variant, options, ladder):
         self.scene, self.threads, self.method, self.variant = scene, threads, method, variant
@@ -139,15 +140,13 @@ def metrics(program, file, reference, mask_file):
 
 
 def rivals(args):
-    fog = "[[medium]]" in args.scene.read_text()
-    ours = [("path", ()), ("bdpt", ()), ("photon", ("--gather",))]
-    list_ = [Etendue(args.etendue, args.scene, method, args.threads, more) for method, more in ours]
+    ours = [("path", (), MANY), ("bdpt", (), SOME[1:]), ("photon", ("--gather",), MANY)]
+    list_ = [Etendue(args.etendue, args.scene, method, args.threads, ladder, more) for method, more, ladder in ours]
     list_.append(MitsubaPath(args.scene, args.threads))
-    if not fog:
-        deep = {"path.pathdepth.total": 64, "path.pathdepth.diffuse": 64}
-        both = luxcore.from_both_ends(depth=12, roulette=False, samples=[]).options
-        list_.append(LuxCore(args.scene, args.threads, "PATHCPU", "", {"renderengine.type": "PATHCPU", **deep}, LADDER))
-        list_.append(LuxCore(args.scene, args.threads, "BIDIRCPU", "no roulette", both, [2, 4, 16]))
+    deep = {f"path.pathdepth.{k}": 64 for k in ("total", "diffuse", "glossy", "specular")}
+    both = luxcore.from_both_ends(depth=12, roulette=False, samples=[]).options
+    list_.append(LuxCore(args.scene, args.threads, "PATHCPU", "depth 64", {"renderengine.type": "PATHCPU", **deep}, SOME))
+    list_.append(LuxCore(args.scene, args.threads, "BIDIRCPU", "depth 12, roulette off", both, FEW))
     return list_
 
 

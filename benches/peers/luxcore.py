@@ -84,9 +84,23 @@ def rectangles(description):
     """Centre, half-edges, albedo and emission of each rectangle."""
     materials = {m["name"]: m for m in description.get("material", [])}
     for shape in description.get("shape", []):
+        if shape["kind"] != "rectangle":
+            continue
         material = materials[shape["material"]]
         c, u, v = (np.array(shape[k], dtype=float) for k in ("center", "u", "v"))
         yield c, u, v, material["albedo"], material["emission"]
+
+
+def boxes(description):
+    """Eight corners, twelve triangles that face outwards, and the medium within, of each box."""
+    media = {m["name"]: m for m in description.get("medium", [])}
+    for shape in description.get("shape", []):
+        if shape["kind"] != "box":
+            continue
+        low, high = shape["min"], shape["max"]
+        corners = [tuple(float((low, high)[i >> k & 1][k]) for k in range(3)) for i in range(8)]
+        sides = [(0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)]
+        yield corners, [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))], media[shape["interior"]]
 
 
 def translated(lux, file):
@@ -130,6 +144,16 @@ def translated(lux, file):
         # It shines on the side that sees its corners turn to the left, as ours does.
         corners = [tuple(float(x) for x in p) for p in (c - u - v, c + u - v, c + u + v, c - u + v)]
         surface(f"rectangle{i}", corners, [(0, 1, 2), (0, 2, 3)], kd, emission)
+    for i, (corners, triangles, medium) in enumerate(boxes(description)):
+        name = f"box{i}"
+        scene.DefineMesh(name, corners, triangles, None, None, None, None)
+        # Its volumes and materials share names.
+        volume = f"volumes.fog{i}"
+        put({f"{volume}.type": "homogeneous", f"{volume}.multiscattering": True})
+        put({f"{volume}.absorption": medium["sigma_a"], f"{volume}.scattering": medium["sigma_s"]})
+        put({f"{volume}.asymmetry": [float(medium["g"])] * 3})
+        put({f"materials.{name}.type": "null", f"materials.{name}.volume.interior": f"fog{i}"})
+        put({f"objects.{name}.shape": name, f"objects.{name}.material": name})
     for i, light in enumerate(description.get("light", [])):
         assert light["kind"] == "point", "only point lights are translated"
         # With neither power nor efficacy the gain is the flux.

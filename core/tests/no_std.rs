@@ -20,7 +20,8 @@ fn build(name: &str, leak: bool) -> Output {
     fs::copy(probe.join("src/lib.rs"), copy.join("src/lib.rs")).expect("the probe has a source");
     fs::copy(core.join("../Cargo.lock"), copy.join("Cargo.lock")).expect("the workspace has a lock file");
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.current_dir(&copy).args(["build", "--offline", "--target-dir", "target"]);
+    // One folder for both, so that core is compiled once.
+    cargo.current_dir(&copy).args(["build", "--offline", "--target-dir", "../no_std_target"]);
     if leak {
         cargo.args(["--features", "leak_std"]);
     }

@@ -5,7 +5,7 @@ use super::error::{CliError, INTERRUPTED};
 use super::job::{Stages, read_scene};
 use super::output::scene_hash;
 use super::progress::Bar;
-use crate::engine::{BackendKind, open_backend_on};
+use crate::engine::{BackendKind, is_software, open_backend_on};
 use crate::io::{read_exr, read_mask};
 use crate::report::{self, Facts, LeftOut, Plan, Reference, read_runs};
 use clap::ValueEnum;
@@ -52,7 +52,7 @@ pub(super) struct Args {
     /// Only these methods [default: all that the scene allows]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD,...")]
     methods: Vec<MethodName>,
-    /// Only these backends [default: all that are there]
+    /// Only these backends [default: cpu, and wgpu where it has a GPU]
     #[arg(long, value_delimiter = ',', value_name = "cpu,wgpu")]
     backends: Vec<BackendKind>,
     /// Part of the name of the adapter that the wgpu backend takes [default: the best]
@@ -169,16 +169,24 @@ fn mask_of(file: &Path, size: (u32, u32)) -> Result<Vec<bool>, CliError> {
 
 type Sessions = Vec<(&'static str, Box<dyn Session>)>;
 
-/// The scene on every backend that is wanted and there; a backend that was asked for by name must be.
+/// The scene on every backend that is wanted and there; a backend that was asked for by name must be, and one that was not must be worth the time.
 fn sessions(args: &Args, scene: Arc<CompiledScene>, facts: &mut Facts) -> Result<Sessions, CliError> {
     let asked = !args.backends.is_empty();
     let kinds = if asked { args.backends.clone() } else { vec![BackendKind::Cpu, BackendKind::Wgpu] };
     let mut list = Sessions::new();
     for kind in kinds {
         let threads = args.threads.map(|n| n as usize);
-        let opened = open_backend_on(kind, threads, args.adapter.as_deref())
-            .and_then(|backend| Ok((backend.info(), backend.open(scene.clone())?)));
-        match opened {
+        let backend = match open_backend_on(kind, threads, args.adapter.as_deref()) {
+            Ok(backend) if !asked && args.adapter.is_none() && is_software(&backend.info().adapter) => {
+                let adapter = backend.info().adapter;
+                facts.notes.push(format!(
+                    "The {kind} backend has no GPU here, only {adapter}, whose speed says nothing: it was not measured (--backends cpu,wgpu does)"
+                ));
+                continue;
+            }
+            other => other,
+        };
+        match backend.and_then(|backend| Ok((backend.info(), backend.open(scene.clone())?))) {
             Ok((info, session)) => {
                 facts.machines.push(format!("{}: {}", info.name, info.adapter));
                 list.push((kind.name(), session));

@@ -9,8 +9,10 @@ use std::sync::Once;
 
 /// Pixels of a figure.
 const SIZE: (u32, u32) = (960, 540);
-/// Of these for the names at the right.
+/// Of these for the names at the right, where none is long.
 const NAMES: u32 = 270;
+/// Most labels of errors: enough for each whole one of two decades.
+const LABELS: usize = 24;
 const FONT: &str = "sans-serif";
 /// Colours that keep apart for most eyes; by method, then by variant.
 const COLOURS: [RGBColor; 12] = [
@@ -207,7 +209,7 @@ type Drawn<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType
 
 fn lines<B: DrawingBackend>(root: &DrawingArea<B, Shift>, figure: Figure, summary: &Summary) -> Drawn<B> {
     let lines = figure.lines(summary);
-    let (left, right) = root.split_horizontally(SIZE.0 - NAMES);
+    let (left, right) = root.split_horizontally(SIZE.0 - room(root, lines.iter().map(|l| l.name.as_str()))?);
     let points = || lines.iter().flat_map(|l| &l.points);
     let x = ends(points().flat_map(|p| [p.0.low, p.0.high]));
     let y = ends(points().flat_map(|p| [p.1.low, p.1.high]));
@@ -229,6 +231,7 @@ fn lines<B: DrawingBackend>(root: &DrawingArea<B, Shift>, figure: Figure, summar
         .x_desc(description)
         .y_desc("relative error (rel_error)")
         .x_label_formatter(&|v| number(*v))
+        .y_labels(LABELS)
         .y_label_formatter(&|v| percent(*v))
         .label_style((FONT, 14))
         .axis_desc_style((FONT, 15))
@@ -257,6 +260,19 @@ fn lines<B: DrawingBackend>(root: &DrawingArea<B, Shift>, figure: Figure, summar
         }
     }
     names(&right, &lines, floor > y.start)
+}
+
+/// Pixels for these names and what stands before them, of half the figure at most.
+fn room<'n, B: DrawingBackend>(
+    root: &DrawingArea<B, Shift>,
+    names: impl Iterator<Item = &'n str>,
+) -> Result<u32, DrawingAreaErrorKind<B::ErrorType>> {
+    let style = (FONT, 14).into_text_style(root);
+    let mut widest = 0;
+    for name in names {
+        widest = widest.max(root.estimate_text_size(name, &style)?.0);
+    }
+    Ok((widest + 80).clamp(NAMES, SIZE.0 / 2))
 }
 
 fn mark<B: DrawingBackend>(area: &DrawingArea<B, Shift>, at: (i32, i32), style: Style) -> Drawn<B> {
@@ -300,7 +316,7 @@ fn bars<B: DrawingBackend>(root: &DrawingArea<B, Shift>, summary: &Summary) -> D
         .caption(Figure::Efficiency.title(), (FONT, 20))
         .x_label_area_size(36)
         .y_label_area_size(8)
-        .right_y_label_area_size(NAMES - 20)
+        .right_y_label_area_size(room(root, list.iter().map(|l| l.1.name.as_str()))? - 20)
         .build_cartesian_2d(x.clone().log_scale(), 0.0..count)?;
     chart
         .configure_mesh()

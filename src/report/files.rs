@@ -5,6 +5,7 @@ use super::figures::Figure;
 use super::measure::Measured;
 use super::page::page;
 use super::pictures::Pictures;
+use super::price;
 use super::runs::{Run, table_of};
 use super::summary::{Extra, Summary};
 use super::verdict::{Goal, goals};
@@ -124,7 +125,7 @@ fn json_of(told: &Told<'_>) -> serde_json::Value {
     })
 }
 
-/// The conclusion and two tables: what documents quote.
+/// The conclusion and some tables: what documents quote.
 fn markdown(told: &Told<'_>) -> String {
     let mut text = String::new();
     for sentence in told.sentences {
@@ -143,13 +144,14 @@ fn markdown(told: &Told<'_>) -> String {
                 let way = goal.ways.iter().find(|w| w.curve == number);
                 let cell = way.map_or_else(
                     || "-".into(),
-                    |w| format!("{}{}", if w.beyond { "~" } else { "" }, words::seconds(w.seconds)),
+                    |w| format!("{}{}", w.reach.sign(), words::seconds(w.seconds)),
                 );
                 let _ = write!(text, " {cell} |");
             }
         }
         text.push('\n');
     }
+    text += &prices(told);
     text += "\n| method | most effort | seconds | error | slope | efficiency | bias |\n|---|---|---:|---:|---:|---:|---|";
     for curve in curves {
         let Some(top) = curve.cells.last() else { continue };
@@ -165,12 +167,38 @@ fn markdown(told: &Told<'_>) -> String {
             curve.bias.map_or_else(|| "-".into(), |b| b.words()),
         );
     }
+    let reference = if told.reference.is_empty() {
+        "the runs' own".into()
+    } else {
+        format!("{}, its own error {}", told.reference, words::percent(told.summary.reference_error[0]))
+    };
     let _ = writeln!(
         text,
-        "\n\nMedians of {} replicates in turns; `~`: beyond what was measured. Reference: {}, its own error {}.",
+        "\n\nMedians of {} replicates in turns; `\u{2264}`: the least effort has less error already; `~`: beyond what was measured. Reference: {reference}.",
         told.summary.replicates,
-        if told.reference.is_empty() { "as the runs had" } else { told.reference },
-        words::percent(told.summary.reference_error[0]),
     );
+    text
+}
+
+/// What a small error costs, and how many times as much as ours.
+fn prices(told: &Told<'_>) -> String {
+    let summary = told.summary;
+    let mut text = String::new();
+    if summary.curves.iter().all(|c| c.price.is_none()) {
+        return text;
+    }
+    let _ = write!(text, "\n| CPU seconds to `rel_mse` {:.0e} | |", price::GOAL);
+    for base in &summary.bases {
+        let _ = write!(text, " over {base} |");
+    }
+    let _ = write!(text, "\n|---|---:|{}", "---:|".repeat(summary.bases.len()));
+    for curve in &summary.curves {
+        let [cost, ratios @ ..] = &words::price(curve, summary.bases.len())[..] else { continue };
+        let _ = write!(text, "\n| {} | {cost} |", curve.name);
+        for ratio in ratios {
+            let _ = write!(text, " {ratio} |");
+        }
+    }
+    text.push('\n');
     text
 }

@@ -3,8 +3,10 @@
 use super::figures::times;
 use super::files::Told;
 use super::pictures::Pictures;
+use super::price;
 use super::summary::{Cell, CurveSummary};
-use super::words::{bytes, percent, seconds};
+use super::verdict::Reach;
+use super::words::{self, bytes, percent, seconds};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page.css");
@@ -40,6 +42,7 @@ pub(super) fn page(told: &Told<'_>, figures: &[(&str, String)], pictures: Option
                 }
                 (first_figure(figures))
                 (goals(told))
+                (prices(told))
                 @if let Some(p) = pictures { (gallery(p)) }
                 (curves(told))
                 (cells(told))
@@ -74,7 +77,7 @@ fn goals(told: &Told<'_>) -> Markup {
     html! {
         @if !told.goals.is_empty() {
             h2 { "Seconds to an error" }
-            p { "Medians; the fastest in bold; pale where it lies beyond what was measured (by the fitted slope); a dash where the method does not get there in eight times the time that it was given." }
+            p { "Medians; the fastest in bold; ≤ where the least effort has less error already; pale where it lies beyond what was measured (by the fitted slope); a dash where the method does not get there in eight times the time that it was given." }
             table.sortable {
                 thead { tr { th { "method" } @for g in told.goals { th.number { (percent(g.error)) } } } }
                 tbody {
@@ -84,7 +87,7 @@ fn goals(told: &Told<'_>) -> Markup {
                             @for g in told.goals {
                                 @match g.ways.iter().find(|w| w.curve == number) {
                                     Some(w) => {
-                                        td.number.best[g.ways[0].curve == number].beyond[w.beyond] data-value=(w.seconds) title=(w.options) { (seconds(w.seconds)) }
+                                        td.number.best[g.ways[0].curve == number].beyond[w.reach == Reach::Beyond] data-value=(w.seconds) title=(w.options) { (w.reach.sign()) (seconds(w.seconds)) }
                                     }
                                     None => td.number data-value="1e99" { "-" }
                                 }
@@ -94,6 +97,39 @@ fn goals(told: &Told<'_>) -> Markup {
                 }
             }
         }
+    }
+}
+
+fn prices(told: &Told<'_>) -> Markup {
+    let (curves, bases) = (&told.summary.curves, &told.summary.bases);
+    html! {
+        @if curves.iter().any(|c| c.price.is_some()) {
+            h2 { "CPU seconds to a " code { "rel_mse" } " of " (format!("{:.0e}", price::GOAL)) }
+            p { "Of all threads: medians with their range, and ratios within each replicate. As far beyond the last run as eight times its cost (~), where squared errors fall as one over the samples." }
+            table.sortable {
+                thead { tr { th { "method" } th.number { "CPU seconds" } @for base in bases { th.number { "over " (base) } } } }
+                tbody {
+                    @for curve in curves {
+                        tr {
+                            td { (curve.name) }
+                            @for (column, text) in words::price(curve, bases.len()).iter().enumerate() {
+                                td.number data-value=(price_value(curve, column)) { (text) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What a column of prices is sorted by.
+fn price_value(curve: &CurveSummary, column: usize) -> f64 {
+    let none = 1e99;
+    let Some(price) = &curve.price else { return none };
+    match column {
+        0 => price.cpu_seconds.median,
+        c => price.over[c - 1].map_or(none, |m| m.median),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What follows from runs alone: medians and ranges, slopes, efficiencies.
 
+use super::price::{self, Price, Prices};
 use super::runs::{Curve, Run};
 use super::structure::Parts;
 use super::verdict::Bias;
@@ -87,6 +88,8 @@ pub struct CurveSummary {
     pub noise_efficiency: Option<f64>,
     /// Whether it is off, beyond noise.
     pub bias: Option<Bias>,
+    /// CPU seconds to a small error, where it gets there.
+    pub price: Option<Price>,
 }
 
 /// Everything that a report says in numbers.
@@ -98,6 +101,8 @@ pub struct Summary {
     pub reference_error: [f64; 2],
     /// Replicates of a rung, at most.
     pub replicates: usize,
+    /// Names of the curves that prices are compared with.
+    pub bases: Vec<String>,
 }
 
 /// What images told beyond their metrics, by curve and rung.
@@ -114,6 +119,9 @@ impl Summary {
         let path = Curve::new("path", "", "cpu");
         let base = by_curve.get(&path).cloned();
         let tests = 3 * by_curve.len() as u64;
+        let names: Vec<Curve> = by_curve.keys().cloned().collect();
+        let bases = price::bases(&names);
+        let mut costs: BTreeMap<Curve, Prices> = BTreeMap::new();
         let mut curves: Vec<CurveSummary> = by_curve
             .into_iter()
             .map(|(curve, rungs)| {
@@ -126,12 +134,15 @@ impl Summary {
                     .keys()
                     .next_back()
                     .and_then(|top| extra.get(&(curve.clone(), *top)).and_then(|e| e.0));
+                let bias = Bias::of(&all, parts, energy, tests);
+                costs.insert(curve.clone(), price::prices(&rungs, bias));
                 CurveSummary {
                     name: curve.name(),
                     slope: slope(&cells),
                     efficiency: base.as_ref().and_then(|base| efficiency(base, &rungs)),
                     noise_efficiency: None,
-                    bias: Bias::of(&all, parts, energy, tests),
+                    bias,
+                    price: None,
                     cells,
                     curve,
                 }
@@ -146,7 +157,12 @@ impl Summary {
             curve.noise_efficiency = plain.zip(noise_price(curve)).map(|(plain, own)| plain / own);
         }
         let replicates = curves.iter().flat_map(|c| &c.cells).map(|c| c.replicates).max().unwrap_or(0);
-        Self { curves, reference_error: errors, replicates }
+        let of_bases: Vec<&Prices> = bases.iter().filter_map(|b| costs.get(b)).collect();
+        for curve in &mut curves {
+            curve.price = costs.get(&curve.curve).and_then(|own| Price::of(own, replicates, &of_bases));
+        }
+        let bases = bases.iter().map(Curve::name).collect();
+        Self { curves, reference_error: errors, replicates, bases }
     }
 
     /// The curve of this method, variant and backend.

@@ -72,9 +72,16 @@ impl Bias {
         self.energy_off || self.lasting_off
     }
 
-    /// The channel that is off most.
+    /// By how much it is off, of what is beyond noise.
+    pub fn size(&self) -> f64 {
+        let energy = if self.energy_off { self.energy[self.worst()].abs() } else { 0.0 };
+        energy.max(if self.lasting_off { self.lasting.unwrap_or(0.0) } else { 0.0 })
+    }
+
+    /// The channel that is off most, for the width of its interval.
     fn worst(&self) -> usize {
-        (0..3).max_by(|a, b| self.energy[*a].abs().total_cmp(&self.energy[*b].abs())).unwrap_or(0)
+        let off = |c: usize| self.energy[c].abs() / self.width[c].max(f64::MIN_POSITIVE);
+        (0..3).max_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0)
     }
 
     /// For people.
@@ -96,6 +103,29 @@ impl Bias {
     }
 }
 
+/// How an answer between measurements was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reach {
+    /// The least effort has less error already: it takes that long at most.
+    AtMost,
+    /// Between two rungs.
+    Measured,
+    /// Beyond the last rung.
+    Beyond,
+}
+
+impl Reach {
+    /// What is written before a number.
+    pub(super) fn sign(self) -> &'static str {
+        match self {
+            Self::AtMost => "\u{2264} ",
+            Self::Measured => "",
+            Self::Beyond => "~",
+        }
+    }
+}
+
 /// Seconds that a curve takes to an error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Way {
@@ -103,8 +133,8 @@ pub struct Way {
     pub curve: usize,
     /// Median seconds.
     pub seconds: f64,
-    /// Beyond what was measured.
-    pub beyond: bool,
+    /// How that is known.
+    pub reach: Reach,
     /// Options of `etendue render` for about that, empty where they are not known.
     pub options: String,
 }
@@ -130,13 +160,12 @@ pub(super) fn goals(summary: &Summary) -> Vec<Goal> {
         ways.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
         Goal { error: *error, ways }
     });
-    let mut list: Vec<Goal> = list.filter(|g| g.ways.iter().any(|w| !w.beyond)).collect();
+    let mut list: Vec<Goal> = list.filter(|g| g.ways.iter().any(|w| w.reach != Reach::Beyond)).collect();
     // Where all are there from their least effort on, one goal says it.
     let easy = list
         .iter()
         .rposition(|g| {
-            let least = |w: &Way| w.seconds <= summary.curves[w.curve].cells[0].seconds.median;
-            g.ways.len() == summary.curves.len() && g.ways.iter().all(least)
+            g.ways.len() == summary.curves.len() && g.ways.iter().all(|w| w.reach == Reach::AtMost)
         })
         .unwrap_or(0);
     list.drain(..easy);
@@ -146,18 +175,18 @@ pub(super) fn goals(summary: &Summary) -> Vec<Goal> {
 fn way(number: usize, curve: &CurveSummary, error: f64) -> Option<Way> {
     let cells = &curve.cells;
     let first = cells.first()?;
-    let made = |seconds: f64, beyond: bool, options: &str| {
-        Some(Way { curve: number, seconds, beyond, options: options.into() })
+    let made = |seconds: f64, reach: Reach, options: &str| {
+        Some(Way { curve: number, seconds, reach, options: options.into() })
     };
     if first.rel_error.median <= error {
-        return made(first.seconds.median, false, &first.options);
+        return made(first.seconds.median, Reach::AtMost, &first.options);
     }
     for pair in cells.windows(2) {
         let [a, b] = pair else { continue };
         if b.rel_error.median <= error {
             let part = (a.rel_error.median / error).ln() / (a.rel_error.median / b.rel_error.median).ln();
             let seconds = a.seconds.median * (b.seconds.median / a.seconds.median).powf(part);
-            return made(seconds, false, &b.options);
+            return made(seconds, Reach::Measured, &b.options);
         }
     }
     let last = cells.last()?;
@@ -169,7 +198,7 @@ fn way(number: usize, curve: &CurveSummary, error: f64) -> Option<Way> {
     if seconds > BEYOND * last.seconds.median {
         return None;
     }
-    made(seconds, true, "")
+    made(seconds, Reach::Beyond, "")
 }
 
 #[cfg(test)]

@@ -1,8 +1,11 @@
 //! The conclusion in sentences, the same on the page, in Markdown and in the terminal.
 
 use super::figures::times;
-use super::summary::{CurveSummary, Summary};
-use super::verdict::{Goal, Way};
+use super::summary::{CurveSummary, Middle, Summary};
+use super::verdict::{Bias, Goal, Reach, Way};
+
+/// So many methods that are off are named, the worst first.
+const NAMED: usize = 3;
 
 /// A share in percent, with two or three digits.
 pub(super) fn percent(x: f64) -> String {
@@ -29,11 +32,27 @@ pub(super) fn bytes(b: u64) -> String {
     if b >= 1e6 { format!("{:.1} MB", b / 1e6) } else { format!("{:.0} kB", b / 1e3) }
 }
 
+/// What a small error costs, with its range, and over each of the bases.
+pub(super) fn price(curve: &CurveSummary, bases: usize) -> Vec<String> {
+    let Some(price) = &curve.price else { return vec!["-".into(); bases + 1] };
+    let cost = price.cpu_seconds;
+    let mut list = vec![format!(
+        "{}{} ({} to {})",
+        price.reach.sign(),
+        seconds(cost.median),
+        seconds(cost.low),
+        seconds(cost.high)
+    )];
+    let ratio = |m: &Option<Middle>| m.map_or_else(|| "-".into(), |m| times(m.median));
+    list.extend(price.over.iter().map(ratio));
+    list
+}
+
 /// What to use, and what to mind.
 pub(super) fn conclusion(summary: &Summary, goals: &[Goal]) -> Vec<String> {
     let mut list = Vec::new();
     let name = |w: &Way| summary.curves[w.curve].name.as_str();
-    let measured = |g: &&Goal| g.ways.first().is_some_and(|w| !w.beyond);
+    let measured = |g: &&Goal| g.ways.first().is_some_and(|w| w.reach != Reach::Beyond);
     let fine = goals.iter().rev().find(measured);
     if let Some((goal, best)) = fine.and_then(|g| Some((g, g.ways.first()?))) {
         let mut text =
@@ -59,6 +78,9 @@ pub(super) fn conclusion(summary: &Summary, goals: &[Goal]) -> Vec<String> {
             ));
         }
     }
+    if list.is_empty() {
+        list.extend(too_early(summary));
+    }
     if let Some((curve, cell)) = smallest_operator(summary) {
         list.push(format!(
             "To relight the scene again and again: {}, {}, {} and an error of {} here ({} from nothing to the picture).",
@@ -69,17 +91,37 @@ pub(super) fn conclusion(summary: &Summary, goals: &[Goal]) -> Vec<String> {
             seconds(cell.seconds.median),
         ));
     }
-    let off: Vec<String> = summary
-        .curves
-        .iter()
-        .filter_map(|c| {
-            Some(format!("{} ({})", c.name, c.bias.filter(super::verdict::Bias::is_off)?.words()))
-        })
-        .collect();
+    let mut off: Vec<(&CurveSummary, Bias)> =
+        summary.curves.iter().filter_map(|c| Some((c, c.bias.filter(Bias::is_off)?))).collect();
+    off.sort_by(|a, b| b.1.size().total_cmp(&a.1.size()));
     if !off.is_empty() {
-        list.push(format!("Mind what time does not mend: {}.", off.join(", ")));
+        let shown = off.iter().take(NAMED).map(|(c, b)| format!("{} ({})", c.name, b.words()));
+        let rest = off.len().saturating_sub(NAMED);
+        let more =
+            if rest > 0 { format!("; and {rest} more in the table of methods") } else { String::new() };
+        list.push(format!("Mind what time does not mend: {}{more}.", shown.collect::<Vec<_>>().join(", ")));
     }
     list
+}
+
+/// What can be said where no error that people ask for can be told from the reference's own.
+fn too_early(summary: &Summary) -> Option<String> {
+    let own = summary.reference_error[0];
+    let best = summary
+        .curves
+        .iter()
+        .filter_map(|c| Some((c, c.efficiency?.median, c.cells.last()?)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (curve, efficiency, top) = best;
+    Some(format!(
+        "No small error can be told from none here: the reference itself is {} off. The best so far is {}: {} as efficient as path ({} in {}, {}). More time (`--budget`) or a better reference (`--reference`) says more.",
+        percent(own),
+        curve.name,
+        times(efficiency),
+        percent(top.rel_error.median),
+        seconds(top.seconds.median),
+        top.effort,
+    ))
 }
 
 /// Of all operators that err at most half as much again as the best, the one of the fewest bytes.
@@ -90,4 +132,30 @@ fn smallest_operator(summary: &Summary) -> Option<(&CurveSummary, &super::summar
     };
     let least = operators().map(|(_, c)| c.rel_error.median).fold(f64::MAX, f64::min);
     operators().filter(|(_, c)| c.rel_error.median <= 1.5 * least).min_by_key(|(_, c)| c.bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::runs::Run;
+    use super::super::summary::Extra;
+    use super::super::verdict::goals;
+    use super::*;
+
+    #[test]
+    fn a_poor_reference_is_said_and_the_best_so_far() {
+        let run = |method: &str, replicate: u32, rel_error: f64| Run {
+            method: method.into(),
+            backend: "cpu".into(),
+            replicate,
+            seconds: 1.0,
+            rel_error,
+            ..Run::default()
+        };
+        let runs: Vec<Run> = (0..5).flat_map(|r| [run("path", r, 0.8), run("bdpt", r, 0.4)]).collect();
+        let summary = Summary::new(&runs, &Extra::new(), ([0.12, 0.12], [0.1; 3]));
+        let goals = goals(&summary);
+        assert!(goals.is_empty());
+        let said = conclusion(&summary, &goals);
+        assert!(said[0].contains("12 % off") && said[0].contains("bdpt: 4.00 x"), "{said:?}");
+    }
 }
