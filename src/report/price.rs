@@ -20,7 +20,7 @@ pub struct Price {
     pub cpu_seconds: Middle,
     /// The farthest from what was measured, of all replicates.
     pub reach: Reach,
-    /// How many times as much as others cost, replicate by replicate, in the order of [`bases`].
+    /// How many times as much as others cost, replicate by replicate, in the order of [`Summary::bases`](super::Summary::bases).
     pub over: Vec<Option<Middle>>,
 }
 
