@@ -7,7 +7,7 @@
     target/release/etendue report --runs runs.csv -o curves
 
 Scenes: diffuse, of OBJ files, rectangles and point lights, with boxes of fog behind null boundaries (`volpath` of Mitsuba then). Every error is by `etendue compare`, pixels within one of a lamp that is seen directly left out.
-All renderers have the same threads (--threads). Seconds are of the clock: of the render call for Mitsuba (after one to warm it up) and LuxCore (from start to stop), and etendue's own stages for etendue; CPU seconds are user and system of the same.
+All renderers have the same threads (--threads). Seconds are of the clock: of the render call for Mitsuba (after one to warm it up) and LuxCore (from start to stop), and etendue's own stages for etendue; CPU seconds are user and system: of the same for the two, of the whole process for etendue.
 """
 
 import argparse
@@ -93,9 +93,9 @@ class LuxCore:
 
     backend = f"LuxCore {version('pyluxcore')}"
 
-    def __init__(self, scene, threads, method, variant, options, ladder):
-        self.scene, self.threads, self.method, self.variant = scene, threads, method, variant
-        self.options, self.ladder = options, ladder
+    def __init__(self, scene, threads, variant, theirs):
+        self.scene, self.threads, self.method, self.variant = scene, threads, theirs.name, variant
+        self.options, self.ladder = theirs.options, theirs.samples
 
     def run(self, samples, seed, file):
         options = {**self.options, "native.threads.count": self.threads}
@@ -143,10 +143,11 @@ def rivals(args):
     ours = [("path", (), MANY), ("bdpt", (), SOME[1:]), ("photon", ("--gather",), MANY)]
     list_ = [Etendue(args.etendue, args.scene, method, args.threads, ladder, more) for method, more, ladder in ours]
     list_.append(MitsubaPath(args.scene, args.threads))
-    deep = {f"path.pathdepth.{k}": 64 for k in ("total", "diffuse", "glossy", "specular")}
-    both = luxcore.from_both_ends(depth=12, roulette=False, samples=[]).options
-    list_.append(LuxCore(args.scene, args.threads, "PATHCPU", "depth 64", {"renderengine.type": "PATHCPU", **deep}, SOME))
-    list_.append(LuxCore(args.scene, args.threads, "BIDIRCPU", "depth 12, roulette off", both, FEW))
+    for variant, theirs in (
+        ("depth 64", luxcore.from_the_eye(depth=64, samples=SOME)),
+        ("depth 12, roulette off", luxcore.from_both_ends(depth=12, roulette=False, samples=FEW)),
+    ):
+        list_.append(LuxCore(args.scene, args.threads, variant, theirs))
     return list_
 
 

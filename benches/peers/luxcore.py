@@ -63,20 +63,18 @@ def from_both_ends(depth, roulette, samples):
     return Method("LuxCore", "BIDIRCPU", "bdpt", words, options, samples)
 
 
+def from_the_eye(depth, samples):
+    options = {"renderengine.type": "PATHCPU", **{f"path.pathdepth.{k}": depth for k in ("total", "diffuse", "glossy", "specular")}}
+    return Method("LuxCore", "PATHCPU", "path", f"roulette as it comes, depth {depth}", options, samples)
+
+
 METHODS = [
     Method("etendue", "bdpt", "bdpt", "as it comes", ["--method", "bdpt"], [16, 32]),
     from_both_ends(depth=12, roulette=False, samples=[2, 16]),
     from_both_ends(depth=8, roulette=False, samples=[2, 16]),
     from_both_ends(depth=12, roulette=True, samples=[2, 4]),
     Method("etendue", "path", "path", "as it comes", ["--method", "path"], [16, 32]),
-    Method(
-        "LuxCore",
-        "PATHCPU",
-        "path",
-        "roulette as it comes, depth 64",
-        {"renderengine.type": "PATHCPU", "path.pathdepth.total": 64, "path.pathdepth.diffuse": 64},
-        [8, 32],
-    ),
+    from_the_eye(depth=64, samples=[8, 32]),
 ]
 
 

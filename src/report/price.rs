@@ -2,14 +2,12 @@
 
 use super::runs::{Curve, Run};
 use super::summary::Middle;
-use super::verdict::{Bias, Reach};
+use super::verdict::{BEYOND, Bias, Reach, reached};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// The `rel_mse` that is paid for.
 pub(super) const GOAL: f64 = 1e-3;
-/// How far beyond what was measured a price may lie.
-const BEYOND: f64 = 8.0;
 /// The part of it that may be there to stay.
 const LASTING: f64 = 0.05;
 
@@ -18,7 +16,7 @@ const LASTING: f64 = 0.05;
 pub struct Price {
     /// Over the replicates.
     pub cpu_seconds: Middle,
-    /// The farthest from what was measured, of all replicates.
+    /// The least sure of all replicates.
     pub reach: Reach,
     /// How many times as much as others cost, replicate by replicate, in the order of [`Summary::bases`](super::Summary::bases).
     pub over: Vec<Option<Middle>>,
@@ -55,39 +53,31 @@ pub(super) fn prices(rungs: &BTreeMap<u32, Vec<&Run>>, bias: Option<Bias>) -> Pr
 
 /// Between rungs by straight lines in logarithms; beyond the last one as independent samples do, whose squared error falls as one over their number.
 fn price(points: &[[f64; 2]], off: bool) -> Option<(f64, Reach)> {
-    let (first, last) = (points.first()?, points.last()?);
-    if first[1] <= GOAL {
-        return Some((first[0], Reach::AtMost));
+    if let Some((_, seconds, reach)) = reached(points, GOAL) {
+        return Some((seconds, reach));
     }
-    for pair in points.windows(2) {
-        let [[s0, e0], [s1, e1]] = [pair[0], pair[1]];
-        if e1 <= GOAL {
-            return Some((s0 * (s1 / s0).powf((e0 / GOAL).ln() / (e0 / e1).ln()), Reach::Measured));
-        }
-    }
-    let factor = last[1] / GOAL;
-    (!off && factor <= BEYOND).then_some((last[0] * factor, Reach::Beyond))
+    let [seconds, error] = *points.last()?;
+    let factor = error / GOAL;
+    (!off && factor <= BEYOND).then_some((seconds * factor, Reach::Beyond))
 }
 
 impl Price {
     /// `None` where not all replicates get there.
     pub(super) fn of(own: &Prices, replicates: usize, bases: &[&Prices]) -> Option<Self> {
-        let reach = own.values().map(|p| p.1).max()?;
+        if own.len() != replicates {
+            return None;
+        }
+        // A ratio with a bound in it is none.
+        let known = |p: &(f64, Reach)| p.1 != Reach::AtMost;
         let ratio = |base: &Prices| {
-            let list: Vec<f64> = own
-                .iter()
-                .filter_map(|(replicate, mine)| {
-                    let theirs = base.get(replicate)?;
-                    let bound = Reach::AtMost;
-                    (mine.1 != bound && theirs.1 != bound).then_some(mine.0 / theirs.0)
-                })
-                .collect();
+            let pairs = own.iter().filter_map(|(replicate, mine)| Some((mine, base.get(replicate)?)));
+            let list: Vec<f64> =
+                pairs.filter(|(a, b)| known(a) && known(b)).map(|(a, b)| a.0 / b.0).collect();
             (list.len() == replicates).then(|| Middle::of(list)).flatten()
         };
-        (own.len() == replicates).then_some(())?;
         Some(Self {
             cpu_seconds: Middle::of(own.values().map(|p| p.0))?,
-            reach,
+            reach: own.values().map(|p| p.1).max()?,
             over: bases.iter().map(|base| ratio(base)).collect(),
         })
     }

@@ -15,7 +15,7 @@ const WORTH: f64 = 5e-4;
 /// Errors that people ask for.
 const GOALS: [f64; 10] = [0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.002, 0.001];
 /// How far beyond what was measured an answer may reach, in time.
-const BEYOND: f64 = 8.0;
+pub(super) const BEYOND: f64 = 8.0;
 /// A curve falls at least so steeply where more time is worth it.
 const FALLS: f64 = -0.25;
 
@@ -103,14 +103,14 @@ impl Bias {
     }
 }
 
-/// How an answer between measurements was found.
+/// How an answer between measurements was found, the surest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reach {
-    /// The least effort has less error already: it takes that long at most.
-    AtMost,
     /// Between two rungs.
     Measured,
+    /// The least effort has less error already: it takes that long at most.
+    AtMost,
     /// Beyond the last rung.
     Beyond,
 }
@@ -172,22 +172,25 @@ pub(super) fn goals(summary: &Summary) -> Vec<Goal> {
     list
 }
 
+/// Where times and errors of rungs get to an error: the rung, and the time, between two of them by a straight line in logarithms.
+pub(super) fn reached(rungs: &[[f64; 2]], error: f64) -> Option<(usize, f64, Reach)> {
+    let rung = rungs.iter().position(|r| r[1] <= error)?;
+    let [time, reached] = rungs[rung];
+    let Some([before, high]) = rung.checked_sub(1).map(|r| rungs[r]) else {
+        return Some((rung, time, Reach::AtMost));
+    };
+    let part = (high / error).ln() / (high / reached).ln();
+    Some((rung, before * (time / before).powf(part), Reach::Measured))
+}
+
 fn way(number: usize, curve: &CurveSummary, error: f64) -> Option<Way> {
     let cells = &curve.cells;
-    let first = cells.first()?;
     let made = |seconds: f64, reach: Reach, options: &str| {
         Some(Way { curve: number, seconds, reach, options: options.into() })
     };
-    if first.rel_error.median <= error {
-        return made(first.seconds.median, Reach::AtMost, &first.options);
-    }
-    for pair in cells.windows(2) {
-        let [a, b] = pair else { continue };
-        if b.rel_error.median <= error {
-            let part = (a.rel_error.median / error).ln() / (a.rel_error.median / b.rel_error.median).ln();
-            let seconds = a.seconds.median * (b.seconds.median / a.seconds.median).powf(part);
-            return made(seconds, Reach::Measured, &b.options);
-        }
+    let rungs: Vec<[f64; 2]> = cells.iter().map(|c| [c.seconds.median, c.rel_error.median]).collect();
+    if let Some((rung, seconds, reach)) = reached(&rungs, error) {
+        return made(seconds, reach, &cells[rung].options);
     }
     let last = cells.last()?;
     let slope = curve.slope.filter(|s| *s < FALLS)?;
