@@ -128,6 +128,8 @@ fn run(
 }
 
 #[cfg(test)]
+mod grid;
+#[cfg(test)]
 mod sums;
 #[cfg(test)]
 mod twins;

@@ -22,7 +22,7 @@ extern crate self as etendue_wgpu;
 pub use display::Picture;
 pub use gpu::{AdapterName, Bc1Texture, adapters};
 pub use relight::{BlocksOperator, Operator};
-pub use session::{DirectTask, PathTask, PhotonTask, Step, WgpuSession};
+pub use session::{DirectTask, FirstShotTask, PathTask, PhotonTask, Step, WgpuSession};
 pub use shaders::Mutation;
 /// The version of wgpu whose [`wgpu::Device`] a host can share.
 pub use wgpu;

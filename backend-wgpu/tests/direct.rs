@@ -5,15 +5,14 @@ mod photon;
 
 use etendue_conformance::analytic::compiled;
 use etendue_conformance::scenes::{cases, diffuse, floor, point_light, room, shape, sphere};
-use etendue_core::backend::{
-    Arithmetic, Backend, BackendError, Control, NoControl, PathJob, direct_film_settings,
-};
+use etendue_core::backend::{Arithmetic, Backend, BackendError, NoControl, PathJob, direct_film_settings};
 use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings, Sides};
 use etendue_core::scene::{CompiledScene, LightDesc, MeshDesc, SceneDesc, ShapeKind};
 use etendue_cpu::CpuBackend;
-use etendue_wgpu::{Mutation, Options, Step, wgpu};
-use std::ops::{ControlFlow, Range};
+use etendue_wgpu::{Mutation, Options, wgpu};
+use photon::{After, never_wait};
+use std::ops::Range;
 use std::sync::Arc;
 
 fn job(blocks: Range<u32>) -> PathJob {
@@ -180,17 +179,6 @@ fn any_split_of_blocks_merges_to_the_same_bits() {
     }
 }
 
-/// Cancels after some calls.
-struct After(std::sync::atomic::AtomicU32);
-
-impl Control for After {
-    fn advance(&self, done: u64, total: u64) -> ControlFlow<()> {
-        assert!(done <= total);
-        let left = self.0.fetch_sub(1, std::sync::atomic::Ordering::Relaxed);
-        if left <= 1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
 #[test]
 fn a_cancelled_job_leaves_the_film_as_it_was() {
     let Some(device) = adapter::backend() else { return };
@@ -201,7 +189,7 @@ fn a_cancelled_job_leaves_the_film_as_it_was() {
     session.direct_irradiance(&job(0..1), &settings, &NoControl, &mut film).unwrap();
     let before = film.clone();
     for calls in [1, 3] {
-        let control = After(calls.into());
+        let control = After::calls(calls);
         let found = session.direct_irradiance(&job(1..9), &settings, &control, &mut film);
         assert!(matches!(found, Err(BackendError::Cancelled)), "{found:?}");
         assert_eq!(film, before);
@@ -215,18 +203,8 @@ fn a_task_never_waits() {
     let session = device.open_scene(scene.clone()).unwrap();
     let settings = ElementSettings { largest: 0.1, ..ElementSettings::default() };
     let mut task = session.direct_task(&job(0..3), &settings).unwrap();
-    let (mut last, mut working) = (0, 0_u64);
-    loop {
-        match task.step(false).unwrap() {
-            Step::Working => working += 1,
-            Step::Progress { done, total } => {
-                assert!(done > last && done <= total);
-                last = done;
-            }
-            Step::Done => break,
-        }
-    }
-    assert!(working > 0);
+    let last = never_wait(|| task.step(false));
+    assert!(last > 0);
     let mut by_job = film(&scene, &settings, &job(0..3));
     use etendue_core::backend::Session as _;
     session.direct_irradiance(&job(0..3), &settings, &NoControl, &mut by_job).unwrap();

@@ -4,15 +4,15 @@ mod adapter;
 mod crowd;
 mod photon;
 
-use etendue_core::backend::{Backend, BackendError, Control, NoControl, PhotonJob, PhotonStart, Session};
+use etendue_core::backend::{Backend, BackendError, NoControl, PhotonJob, PhotonStart, Session};
 use etendue_core::film::Film;
 use etendue_core::scene::{CompiledScene, ShapeKind};
 use etendue_core::transport::first_shot::{Subdivision, Weights};
 use etendue_core::transport::photon::Sequence;
 use etendue_cpu::CpuBackend;
-use etendue_wgpu::{Mutation, Options, Step, WgpuBackend, wgpu};
-use photon::{film, foggy, furnished, job, named, plain, scene, scenes};
-use std::ops::{ControlFlow, Range};
+use etendue_wgpu::{Mutation, Options, WgpuBackend, wgpu};
+use photon::{After, film, foggy, furnished, job, named, never_wait, plain, scene, scenes};
+use std::ops::Range;
 use std::sync::Arc;
 
 const SEQUENCES: [Sequence; 3] = [Sequence::Sobol, Sequence::Random, Sequence::Sorted];
@@ -172,17 +172,6 @@ fn waves_may_be_many() {
     assert!(lit > 50 && wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Cancels after some calls.
-struct After(std::sync::atomic::AtomicU32);
-
-impl Control for After {
-    fn advance(&self, done: u64, total: u64) -> ControlFlow<()> {
-        assert!(done <= total);
-        let left = self.0.fetch_sub(1, std::sync::atomic::Ordering::Relaxed);
-        if left <= 1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
 #[test]
 fn a_cancelled_job_leaves_the_film_as_it_was() {
     let Some(device) = adapter::backend() else { return };
@@ -193,7 +182,7 @@ fn a_cancelled_job_leaves_the_film_as_it_was() {
         session.illumination(&job(&scene, sequence, 0..1), &NoControl, &mut film).unwrap();
         let before = film.clone();
         for calls in [1, 3] {
-            let found = session.illumination(&job(&scene, sequence, 1..9), &After(calls.into()), &mut film);
+            let found = session.illumination(&job(&scene, sequence, 1..9), &After::calls(calls), &mut film);
             assert!(matches!(found, Err(BackendError::Cancelled)), "{found:?}");
             assert_eq!(film, before);
         }
@@ -207,18 +196,8 @@ fn a_task_never_waits() {
     let session = device.open_scene(scene.clone()).unwrap();
     let job = job(&scene, Sequence::Sorted, 0..3);
     let mut task = session.illumination_task(&job).unwrap();
-    let (mut last, mut working) = (0, 0_u64);
-    loop {
-        match task.step(false).unwrap() {
-            Step::Working => working += 1,
-            Step::Progress { done, total } => {
-                assert!(done >= last && done <= total);
-                last = done;
-            }
-            Step::Done => break,
-        }
-    }
-    assert!(working > 0 && last == 3 * u64::from(job.photons));
+    let last = never_wait(|| task.step(false));
+    assert!(last == 3 * u64::from(job.photons));
     let mut by_job = film(&scene, &job);
     session.illumination(&job, &NoControl, &mut by_job).unwrap();
     assert_eq!(task.finish().0, by_job);

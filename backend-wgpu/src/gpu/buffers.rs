@@ -115,8 +115,13 @@ pub(crate) struct Pending {
 }
 
 impl Pending {
+    /// The words; without `wait`, `None` where the device is still at work.
+    pub(crate) fn answer(&self, gpu: &Gpu, wait: bool) -> Result<Option<Vec<u32>>, BackendError> {
+        if wait { self.wait(gpu).map(Some) } else { self.poll(gpu).transpose() }
+    }
+
     /// Whether the words are there: `None` where the device is still at work.
-    pub(crate) fn poll(&self, gpu: &Gpu) -> Option<Result<Vec<u32>, BackendError>> {
+    fn poll(&self, gpu: &Gpu) -> Option<Result<Vec<u32>, BackendError>> {
         if let Err(e) = gpu.poll(false) {
             return Some(Err(e));
         }

@@ -150,16 +150,9 @@ impl DirectTask {
             self.send();
             return Ok(Step::Working);
         };
-        let words = if wait {
-            running.pending.wait(&self.gpu)?
-        } else {
-            match running.pending.poll(&self.gpu) {
-                Some(words) => words?,
-                None => {
-                    self.running = Some(running);
-                    return Ok(Step::Working);
-                }
-            }
+        let Some(words) = running.pending.answer(&self.gpu, wait)? else {
+            self.running = Some(running);
+            return Ok(Step::Working);
         };
         self.pace.took(running.places, running.sent.elapsed());
         self.next.1 += running.places;
@@ -261,6 +254,8 @@ impl DirectTask {
 }
 
 impl Task for DirectTask {
+    type Made = (Film, JobStats);
+
     fn step(&mut self, wait: bool) -> Result<Step, BackendError> {
         Self::step(self, wait)
     }

@@ -11,7 +11,7 @@ use etendue_core::backend::{
 };
 use etendue_core::film::{Film, FilmSettings};
 use etendue_core::illumination::Elements;
-use etendue_core::transport::first_shot::{FirstShot, FirstShotError};
+use etendue_core::transport::first_shot::FirstShot;
 use etendue_core::transport::gather::ProbePlace;
 use etendue_core::transport::volume::LightMedia;
 use std::sync::Arc;
@@ -34,13 +34,10 @@ impl WgpuSession {
         self.media.get_or_init(|| LightMedia::new(&self.scene, &self.tree, self.surroundings.outside))
     }
 
-    /// The density of a job that starts on surfaces. Its pieces are cut by the host, whose tree is at hand.
-    fn shot_of(&self, job: &PhotonJob) -> Result<Option<Arc<FirstShot>>, FirstShotError> {
+    /// The density of a job that starts on surfaces.
+    fn shot_of(&self, job: &PhotonJob) -> Result<Option<Arc<FirstShot>>, BackendError> {
         let PhotonStart::Surfaces { subdivision, weights } = job.start else { return Ok(None) };
-        let make = || {
-            let place = (&self.tree, self.media());
-            etendue_cpu::first_shot(&self.scene, place, &subdivision, weights).map(|made| made.0)
-        };
+        let make = || self.make_first_shot(&subdivision, weights);
         self.shot.get(&(subdivision, weights), make).map(Some)
     }
 

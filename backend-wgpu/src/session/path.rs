@@ -216,16 +216,9 @@ impl PathTask {
         let pending = match &waiting {
             Waiting::Queue(pending, _) | Waiting::Results(pending) => pending,
         };
-        let words = if wait {
-            pending.wait(&self.gpu)?
-        } else {
-            match pending.poll(&self.gpu) {
-                Some(words) => words?,
-                None => {
-                    self.running = Some((part, waiting));
-                    return Ok(Step::Working);
-                }
-            }
+        let Some(words) = pending.answer(&self.gpu, wait)? else {
+            self.running = Some((part, waiting));
+            return Ok(Step::Working);
         };
         match waiting {
             Waiting::Queue(_, sent) => {
@@ -425,6 +418,8 @@ impl PathTask {
 }
 
 impl Task for PathTask {
+    type Made = (Film, JobStats);
+
     fn step(&mut self, wait: bool) -> Result<Step, BackendError> {
         Self::step(self, wait)
     }

@@ -2,8 +2,7 @@
 
 use super::scene::SceneBuffers;
 use crate::gpu::{Binding, Buffer, Gpu};
-use etendue_core::backend::{BackendError, Control, JobStats};
-use etendue_core::film::Film;
+use etendue_core::backend::{BackendError, Control};
 use std::ops::ControlFlow;
 use std::time::Duration;
 
@@ -30,14 +29,17 @@ pub enum Step {
 
 /// A job in steps.
 pub(super) trait Task: Sized {
+    /// What it makes: of most the film, and what the job took.
+    type Made;
+
     /// Goes on as far as it can without waiting; with `wait`, until something has come back.
     fn step(&mut self, wait: bool) -> Result<Step, BackendError>;
 
-    /// The film and what the job took.
-    fn finish(self) -> (Film, JobStats);
+    /// What it has made.
+    fn finish(self) -> Self::Made;
 
     /// Takes all steps, unless the control cancels.
-    fn drive(self, control: &dyn Control) -> Result<(Film, JobStats), BackendError> {
+    fn drive(self, control: &dyn Control) -> Result<Self::Made, BackendError> {
         Ok(self.drive_all(control)?.finish())
     }
 

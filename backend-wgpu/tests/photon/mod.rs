@@ -5,7 +5,9 @@
 use etendue_conformance::analytic::compiled;
 use etendue_conformance::golden;
 use etendue_conformance::scenes::{cases, diffuse, environment, material, point_light, room, shape, sphere};
-use etendue_core::backend::{PhotonJob, PhotonStart, Probe, illumination_film_settings};
+use etendue_core::backend::{
+    BackendError, Control, PhotonJob, PhotonStart, Probe, illumination_film_settings,
+};
 use etendue_core::direct::irradiance::place_on;
 use etendue_core::film::Film;
 use etendue_core::illumination::{Basis, ElementSettings, Elements, Sides};
@@ -13,8 +15,10 @@ use etendue_core::scene::{
     CompiledScene, LightDesc, MaterialKind, MediumDesc, Reflectance, SceneDesc, ShapeDesc, ShapeKind,
 };
 use etendue_core::transport::photon::Sequence;
-use std::ops::Range;
+use etendue_wgpu::Step;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A room with a ball, a disk, a mirror and a lamp, under lights of each kind.
 pub(crate) fn furnished() -> SceneDesc {
@@ -130,4 +134,38 @@ pub(crate) fn job(scene: &CompiledScene, sequence: Sequence, replicates: Range<u
 pub(crate) fn film(scene: &CompiledScene, job: &PhotonJob) -> Film {
     let elements = Elements::new(scene, job.elements);
     Film::new(illumination_film_settings(scene, &elements, job).unwrap())
+}
+
+/// Cancels after some calls.
+pub(crate) struct After(AtomicU32);
+
+impl After {
+    pub(crate) fn calls(calls: u32) -> Self {
+        Self(calls.into())
+    }
+}
+
+impl Control for After {
+    fn advance(&self, done: u64, total: u64) -> ControlFlow<()> {
+        assert!(done <= total);
+        let left = self.0.fetch_sub(1, Ordering::Relaxed);
+        if left <= 1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Takes all steps of a task without ever waiting, and checks that its progress never goes back; how far it came.
+pub(crate) fn never_wait(mut step: impl FnMut() -> Result<Step, BackendError>) -> u64 {
+    let (mut last, mut working) = (0, 0_u64);
+    loop {
+        match step().unwrap() {
+            Step::Working => working += 1,
+            Step::Progress { done, total } => {
+                assert!(done >= last && done <= total);
+                last = done;
+            }
+            Step::Done => break,
+        }
+    }
+    assert!(working > 0);
+    last
 }

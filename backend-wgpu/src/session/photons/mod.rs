@@ -185,16 +185,9 @@ impl PhotonTask {
             self.send();
             return Ok(Step::Working);
         };
-        let words = if wait {
-            pending.wait(&self.gpu)?
-        } else {
-            match pending.poll(&self.gpu) {
-                Some(words) => words?,
-                None => {
-                    self.running = Some((pending, sent));
-                    return Ok(Step::Working);
-                }
-            }
+        let Some(words) = pending.answer(&self.gpu, wait)? else {
+            self.running = Some((pending, sent));
+            return Ok(Step::Working);
         };
         let before = self.done;
         if self.stage == Stage::Sums {
@@ -346,6 +339,8 @@ impl PhotonTask {
 }
 
 impl Task for PhotonTask {
+    type Made = (Film, JobStats);
+
     fn step(&mut self, wait: bool) -> Result<Step, BackendError> {
         Self::step(self, wait)
     }

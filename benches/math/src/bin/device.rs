@@ -1,4 +1,4 @@
-//! `cargo run --release -p etendue-benches --bin device [-- ADAPTER]`: rays, paths, samples from both ends, form factors, photons, relighting and bytes per second of an adapter, the CPU beside it.
+//! `cargo run --release -p etendue-benches --bin device [-- ADAPTER]`: rays, paths, samples from both ends, form factors, photons, pieces of lit triangles, relighting and bytes per second of an adapter, the CPU beside it.
 //!
 //! One line for each measurement; both take turns in one run, and medians are told. `ADAPTER` is a part of the adapter's name
 //! (`etendue adapters`); without it the best one is taken.
@@ -12,12 +12,15 @@ use etendue::core::film::Film;
 use etendue::core::illumination::ElementSettings;
 use etendue::core::radiosity::patches::PatchSettings;
 use etendue::core::scene::{CompiledScene, compile};
+use etendue::core::transport::first_shot::{Subdivision, Weights};
 use etendue::core::transport::photon::Sequence;
 use etendue::driver::Silent;
 use etendue::driver::radiosity::{BakeSettings, Codec, Rooms, bake};
 use etendue::engine::{BackendKind, is_software, open_backend_on};
 use etendue::io::load_scene;
 use etendue_benches::timing::median;
+use etendue_cpu::CpuBackend;
+use etendue_wgpu::{Options, Step, WgpuBackend};
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
@@ -85,6 +88,10 @@ fn main() -> Outcome<()> {
         }
         form_factors(file, pair, turns)?;
         photons(file, pair, turns)?;
+        // The closed box has no light without size.
+        if file != "cornell/closed.toml" {
+            pieces(file, wanted.as_deref(), turns)?;
+        }
     }
     Ok(())
 }
@@ -147,6 +154,38 @@ fn photons(file: &str, pair: [&dyn Backend; 2], turns: usize) -> Outcome<()> {
     }
     let films = if equal { "; maps equal to the last bit" } else { "; maps differ in bits" };
     print(&format!("photons in order, {file}"), "M photons/s", found.map(median), films);
+    Ok(())
+}
+
+/// The density of starts on lit surfaces: triangles cut into pieces, up to its tables.
+fn pieces(file: &str, adapter: Option<&str>, turns: usize) -> Outcome<()> {
+    let scene = scene(file)?;
+    let device = WgpuBackend::with_options(adapter, Options::default())?.open_scene(scene.clone())?;
+    let cpu = CpuBackend::new(None)?.open_session(scene)?;
+    let (weights, how) = (Weights::EXACT, Subdivision::robust(Weights::EXACT));
+    let (mut found, mut equal, mut rays, mut count) = ([Vec::new(), Vec::new()], true, 0, 0);
+    for turn in 0..=turns {
+        let start = Instant::now();
+        let mut task = device.first_shot_task(&how, weights)?;
+        while task.step(true)? != Step::Done {}
+        let ours = task.finish()?;
+        let seconds = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let theirs = cpu.make_first_shot(&how, weights)?;
+        if turn > 0 {
+            found[0].push(1e3 * seconds);
+            found[1].push(1e3 * start.elapsed().as_secs_f64());
+        }
+        equal &= ours.1 == theirs.1 && ours.0.pieces() == theirs.0.pieces();
+        (rays, count) = (ours.1, ours.0.pieces().len());
+    }
+    let same = if equal { "equal to the last bit" } else { "which differ" };
+    print(
+        &format!("first shot, {file}"),
+        "ms",
+        found.map(median),
+        &format!("; {rays} rays, {count} pieces, {same}"),
+    );
     Ok(())
 }
 

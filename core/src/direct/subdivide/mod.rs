@@ -82,6 +82,14 @@ pub enum End {
     Degenerate,
 }
 
+impl End {
+    /// Whether samples say that irradiance is linear enough on the piece.
+    #[must_use]
+    pub const fn is_sure(self) -> bool {
+        matches!(self, Self::Linear | Self::Settled)
+    }
+}
+
 /// A piece of a triangle, with irradiance linear between its corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece<S> {

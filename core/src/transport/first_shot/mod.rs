@@ -23,7 +23,7 @@ pub mod weight;
 
 pub use density::{FirstShot, FirstShotParts, Look, Start};
 pub use forecast::{Forecast, forecast};
-pub use pieces::LitPiece;
+pub use pieces::{How, LitPiece, Pair};
 pub use plan::StartPlan;
 
 use crate::direct::subdivide::{Limits, Published, Robust};

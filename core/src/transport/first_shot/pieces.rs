@@ -3,7 +3,7 @@
 use super::{StartPlan, Subdivision};
 use crate::direct::emission::{VertexAlbedo, emission, emission_textured, importance};
 use crate::direct::irradiance::from_light;
-use crate::direct::subdivide::{Bary, End, Limits, Piece, Workspace};
+use crate::direct::subdivide::{Bary, Limits, Piece, Published, Robust, Workspace};
 use crate::geometry::{Intersector, hit_point_with, triangle_area};
 use crate::light;
 use crate::math::{self, Vec3, u32_to_unit};
@@ -107,7 +107,86 @@ fn cone_meets(light: &LightRecord, v: [Vec3; 3], centroid: Vec3) -> bool {
     whole || Vec3::from_array(light.edge1).dot(to) >= limit * math::sqrt(d2)
 }
 
+/// How a pair is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum How {
+    /// Not: it is sampled at its corners.
+    Whole,
+    /// Not: it is sampled at one place, given by its barycentrics.
+    Glance([f32; 3]),
+    /// By the source's rule.
+    Published(Published, Limits),
+    /// By the mended rule.
+    Robust(Robust, Limits),
+}
+
+/// A light and a triangle that may send on some of its light: how the triangle is cut, and what pieces are made of.
+#[derive(Clone, Copy)]
+pub struct Pair<'a> {
+    plan: &'a StartPlan<'a>,
+    /// The light.
+    pub light: u32,
+    /// The triangle.
+    pub triangle: u32,
+    /// How it is cut.
+    pub how: How,
+    corners: [Vec3; 3],
+    normal: Vec3,
+    sliver: f32,
+    area: f32,
+    reflectance: Vec3,
+    colour: Vec3,
+}
+
 impl StartPlan<'_> {
+    /// A pair, prepared to be cut. `None` where nothing can be sent on.
+    pub fn pair(&self, pair: usize) -> Option<Pair<'_>> {
+        let (light_index, triangle) = self.numbers(pair)?;
+        let scene: &CompiledScene = self.scene;
+        let corners = scene.primitives().vertices(triangle)?;
+        let (light, material) = (&scene.lights[light_index as usize], scene.material_of(triangle));
+        let (area, reflectance) = (triangle_area(corners), reflectance(material));
+        let surface = scene.surfaces[triangle as usize];
+        let normal = Vec3::from_array(surface.normal);
+        if area.is_nan() || area <= 0.0 || reflectance == Vec3::ZERO {
+            return None;
+        }
+        const BOTH: u32 = material_flags::TWO_SIDED | material_flags::DIELECTRIC | material_flags::SCATTERS;
+        if material.flags & BOTH == 0 && light::emit::toward(light, corners[0]).dot(normal) <= 0.0 {
+            // What arrives behind is not sent on. (At a corner as good as anywhere: the light is on one side of the plane.)
+            return None;
+        }
+        let how = match &self.subdivision {
+            Subdivision::None => How::Whole,
+            Subdivision::Published(criterion, limits) => How::Published(*criterion, *limits),
+            Subdivision::Robust(criterion, limits, care) => {
+                let most = unshadowed(light, corners, normal)?;
+                let share = most * area * math::max_component(reflectance) / self.flux;
+                if share <= care.glance {
+                    let u = [0, 1].map(|k| u32_to_unit(hash_combine(hash_combine(light_index, triangle), k)));
+                    How::Glance(warp::sample_triangle(u))
+                } else {
+                    let least_depth = limits.least_depth.max(u8::from(share > care.doubt));
+                    let error = care.error * self.flux / (area * math::max_component(reflectance));
+                    let criterion = Robust { share: math::max(criterion.share, error), ..*criterion };
+                    How::Robust(criterion, Limits { least_depth, ..*limits })
+                }
+            }
+        };
+        Some(Pair {
+            plan: self,
+            light: light_index,
+            triangle,
+            how,
+            corners,
+            normal,
+            sliver: surface.sliver,
+            area,
+            reflectance,
+            colour: colour(light),
+        })
+    }
+
     /// Cuts one pair and hands out its lit pieces; the shadow rays it took. Nothing depends on other pairs.
     pub fn pieces<I: Intersector + ?Sized>(
         &self,
@@ -116,86 +195,72 @@ impl StartPlan<'_> {
         workspace: &mut Workspace<f32>,
         mut emit: impl FnMut(LitPiece),
     ) -> u64 {
-        let Some((light_index, triangle)) = self.pair(pair) else { return 0 };
-        let scene: &CompiledScene = self.scene;
-        let Some(v) = scene.primitives().vertices(triangle) else { return 0 };
-        let (light, material) = (&scene.lights[light_index as usize], scene.material_of(triangle));
-        let (area, ka) = (triangle_area(v), reflectance(material));
-        let surface = scene.surfaces[triangle as usize];
-        let n = Vec3::from_array(surface.normal);
-        if area.is_nan() || area <= 0.0 || ka == Vec3::ZERO {
-            return 0;
-        }
-        const BOTH: u32 = material_flags::TWO_SIDED | material_flags::DIELECTRIC | material_flags::SCATTERS;
-        if material.flags & BOTH == 0 && light::emit::toward(light, v[0]).dot(n) <= 0.0 {
-            // What arrives behind is not sent on. (At a corner as good as anywhere: the light is on one side of the plane.)
-            return 0;
-        }
-        let colour = colour(light);
+        let Some(pair) = self.pair(pair) else { return 0 };
         let mut rays = 0;
-        let mut sample = |b: [f32; 3]| {
-            let [_, b1, b2] = inset(b);
-            let point = hit_point_with(v, b1, b2, surface.sliver);
-            let Some((e, ray)) = from_light(light, &point, n) else { return 0.0 };
-            if let Some(media) = self.media {
-                let place = (point.position, n);
-                let (straight, took) = media.straight(scene, intersector, light_index as usize, &ray, place);
-                rays += took;
-                return math::mean(e * straight.left);
-            }
-            rays += 1;
-            if intersector.occluded(&ray) { 0.0 } else { math::mean(e) }
-        };
-        let mut keep = |corners: [Bary; 3], weights: [f32; 3], fraction: f32, sure: bool| {
-            let area = area * fraction;
-            let e = weights.map(|x| colour * x);
-            let importance = match self.bitmap_albedo(triangle, corners.map(Bary::to_f32)) {
-                None => math::mean(emission(ka, area, e)),
-                Some(albedo) => {
-                    let most = emission_textured(ka, area, e, &VertexAlbedo::uniform(albedo.most));
-                    let sent = importance(emission_textured(ka, area, e, &albedo.corners), most);
-                    math::max(sent, math::mean(most) * albedo.least_share)
-                }
-            };
-            if importance > 0.0 {
-                // What a medium leaves of the light is always asked.
-                let all = !sure || weights.contains(&0.0) || self.media.is_some();
-                let looks = if all { 1.0 } else { SURE_LOOKS };
-                emit(LitPiece { triangle, light: light_index, corners, weights, area, importance, looks });
+        let mut sample = |b: [f32; 3]| pair.sample(intersector, b, &mut rays);
+        let mut keep = |corners: [Bary; 3], irradiance: [f32; 3], fraction: f32, sure: bool| {
+            if let Some(piece) = pair.piece(corners, irradiance, fraction, sure) {
+                emit(piece);
             }
         };
-        let mut keep_piece = |p: Piece<f32>| {
-            let sure = matches!(p.end, End::Linear | End::Settled);
-            keep(p.corners, p.irradiance, p.fraction, sure);
-        };
-        match &self.subdivision {
-            Subdivision::None => {
-                keep(Bary::CORNERS, Bary::CORNERS.map(|c| sample(c.to_f32())), 1.0, false);
+        let keep_piece = |p: Piece<f32>| keep(p.corners, p.irradiance, p.fraction, p.end.is_sure());
+        match &pair.how {
+            How::Whole => keep(Bary::CORNERS, Bary::CORNERS.map(|c| sample(c.to_f32())), 1.0, false),
+            How::Glance(place) => keep(Bary::CORNERS, [sample(*place); 3], 1.0, false),
+            How::Published(criterion, limits) => {
+                workspace.subdivide(pair.corners, criterion, limits, sample, keep_piece);
             }
-            Subdivision::Published(criterion, limits) => {
-                workspace.subdivide(v, criterion, limits, sample, keep_piece);
-            }
-            Subdivision::Robust(criterion, limits, care) => {
-                let Some(most) = unshadowed(light, v, n) else { return 0 };
-                let share = most * area * math::max_component(ka) / self.flux;
-                if share <= care.glance {
-                    let u = [0, 1].map(|k| u32_to_unit(hash_combine(hash_combine(light_index, triangle), k)));
-                    let e = sample(warp::sample_triangle(u));
-                    keep(Bary::CORNERS, [e; 3], 1.0, false);
-                    return rays;
-                }
-                let least_depth = limits.least_depth.max(u8::from(share > care.doubt));
-                let criterion = crate::direct::subdivide::Robust {
-                    share: math::max(
-                        criterion.share,
-                        care.error * self.flux / (area * math::max_component(ka)),
-                    ),
-                    ..*criterion
-                };
-                let limits = Limits { least_depth, ..*limits };
-                workspace.subdivide(v, &criterion, &limits, sample, &mut keep_piece);
+            How::Robust(criterion, limits) => {
+                workspace.subdivide(pair.corners, criterion, limits, sample, keep_piece);
             }
         }
         rays
+    }
+}
+
+impl Pair<'_> {
+    /// Irradiance by the light at barycentrics of the triangle, mean of the channels \[W/m^2\]; `rays` counts what it took.
+    pub fn sample<I: Intersector + ?Sized>(&self, intersector: &I, b: [f32; 3], rays: &mut u64) -> f32 {
+        let StartPlan { scene, media, .. } = self.plan;
+        let [_, b1, b2] = inset(b);
+        let point = hit_point_with(self.corners, b1, b2, self.sliver);
+        let Some((e, ray)) = from_light(&scene.lights[self.light as usize], &point, self.normal) else {
+            return 0.0;
+        };
+        if let Some(media) = media {
+            let place = (point.position, self.normal);
+            let (straight, took) = media.straight(scene, intersector, self.light as usize, &ray, place);
+            *rays += took;
+            return math::mean(e * straight.left);
+        }
+        *rays += 1;
+        if intersector.occluded(&ray) { 0.0 } else { math::mean(e) }
+    }
+
+    /// A piece with this irradiance at its corners and this share of the triangle's area. `None` where it sends nothing on. `sure`: samples have judged it.
+    pub fn piece(
+        &self,
+        corners: [Bary; 3],
+        irradiance: [f32; 3],
+        fraction: f32,
+        sure: bool,
+    ) -> Option<LitPiece> {
+        let area = self.area * fraction;
+        let e = irradiance.map(|x| self.colour * x);
+        let importance = match self.plan.bitmap_albedo(self.triangle, corners.map(Bary::to_f32)) {
+            None => math::mean(emission(self.reflectance, area, e)),
+            Some(albedo) => {
+                let most = emission_textured(self.reflectance, area, e, &VertexAlbedo::uniform(albedo.most));
+                let sent = importance(emission_textured(self.reflectance, area, e, &albedo.corners), most);
+                math::max(sent, math::mean(most) * albedo.least_share)
+            }
+        };
+        (importance > 0.0).then(|| {
+            // What a medium leaves of the light is always asked.
+            let all = !sure || irradiance.contains(&0.0) || self.plan.media.is_some();
+            let looks = if all { 1.0 } else { SURE_LOOKS };
+            let (triangle, light, weights) = (self.triangle, self.light, irradiance);
+            LitPiece { triangle, light, corners, weights, area, importance, looks }
+        })
     }
 }

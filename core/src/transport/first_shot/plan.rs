@@ -110,7 +110,7 @@ impl<'a> StartPlan<'a> {
         Ok(Self { scene, subdivision, lights, order, ranks, flux, media, albedos })
     }
 
-    /// Pairs of a light and a triangle that are to be looked at; see [`Self::pieces`].
+    /// Pairs of a light and a triangle that are to be looked at; see [`Self::pair`].
     pub fn pairs(&self) -> usize {
         self.lights.len() * self.order.len()
     }
@@ -136,7 +136,7 @@ impl<'a> StartPlan<'a> {
 
     /// The light and the triangle of a pair.
     #[inline]
-    pub fn pair(&self, pair: usize) -> Option<(u32, u32)> {
+    pub fn numbers(&self, pair: usize) -> Option<(u32, u32)> {
         let count = self.order.len().max(1);
         Some((*self.lights.get(pair / count)?, *self.order.get(pair % count)?))
     }

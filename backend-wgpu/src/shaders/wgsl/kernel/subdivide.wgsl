@@ -23,12 +23,12 @@ fn kernel_subdivide_put(verdict: SubdivideVerdict) {
 
 fn kernel_subdivide_published() {
     let relative = constant_float();
-    let absolute = constant_float();
+    let rule = SubdividePublished(relative, constant_float());
     let a = triple();
     let b = triple();
     let c = triple();
     let samples = kernel_subdivide_samples();
-    kernel_subdivide_put(subdivide_published(relative, absolute, subdivide_shape(a, b, c, 1.0f), samples));
+    kernel_subdivide_put(subdivide_published(rule, subdivide_shape(a, b, c, 1.0f), samples));
 }
 
 fn kernel_subdivide_robust() {

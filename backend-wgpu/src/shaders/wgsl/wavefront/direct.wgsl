@@ -1,6 +1,7 @@
 // Direct irradiance on elements: an invocation takes one place and one of the lights without size, and adds what arrives to sums in fixed point, which
 // have core's bits in whatever order they are made.
 //: use direct::irradiance
+//: use direct::irradiance::point
 //: use illumination::sums
 //: use sampling::sobol
 //: use tree::walk

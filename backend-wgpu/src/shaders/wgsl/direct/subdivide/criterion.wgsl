@@ -1,4 +1,4 @@
-// What a criterion sees, all seven points known, and what it says.
+// What a criterion sees, and what it says.
 //: use math::rounding
 
 const SUBDIVIDE_LARGEST: f32 = 8.507059e37f;
@@ -8,12 +8,31 @@ const SUBDIVIDE_CENTROID: u32 = 6u;
 
 fn subdivide_bounded(x: f32) -> f32 { return math_min(math_max(x, 0.0f), SUBDIVIDE_LARGEST); }
 
-struct SubdivideSamples { values: array<f32, 7> }
+// Sets of the seven points, a bit each.
+const SUBDIVIDE_CORNERS: u32 = 7u;
+const SUBDIVIDE_MIDPOINTS: u32 = 56u;
+const SUBDIVIDE_ALL: u32 = 127u;
+
+fn subdivide_bit(point: u32) -> u32 { return 1u << point; }
+
+// Points that are not known are 0.
+struct SubdivideSamples { values: array<f32, 7>, known: u32 }
 
 fn subdivide_samples(values: array<f32, 7>) -> SubdivideSamples {
-    var samples = SubdivideSamples(values);
+    var samples = SubdivideSamples(values, SUBDIVIDE_ALL);
     for (var i = 0u; i < 7u; i++) { samples.values[i] = subdivide_bounded(samples.values[i]); }
     return samples;
+}
+
+fn subdivide_has(samples: ptr<function, SubdivideSamples>, point: u32) -> bool {
+    return ((*samples).known & subdivide_bit(point)) != 0u;
+}
+
+// The largest of all, points that are not known being 0.
+fn subdivide_largest(samples: ptr<function, SubdivideSamples>) -> f32 {
+    var largest = 0.0f;
+    for (var i = 0u; i < 7u; i++) { largest = math_max((*samples).values[i], largest); }
+    return largest;
 }
 
 fn subdivide_linear_centroid(samples: ptr<function, SubdivideSamples>) -> f32 {
@@ -50,32 +69,43 @@ fn subdivide_pieces(split: SubdivideSplit) -> vec4<u32> {
     let e = SUBDIVIDE_MIDPOINT + a;
     let f = SUBDIVIDE_MIDPOINT + c;
     let g = SUBDIVIDE_MIDPOINT + b;
-    switch split.kind {
-        case SUBDIVIDE_TWO: { return vec4(subdivide_piece(a, b, e), subdivide_piece(a, e, c), 0u, 0u); }
-        case SUBDIVIDE_THREE: {
-            return vec4(subdivide_piece(0u, 1u, d), subdivide_piece(1u, 2u, d), subdivide_piece(2u, 0u, d), 0u);
-        }
-        case SUBDIVIDE_FOUR: {
-            return vec4(
-                subdivide_piece(a, f, g),
-                subdivide_piece(b, e, f),
-                subdivide_piece(c, g, e),
-                subdivide_piece(f, e, g),
-            );
-        }
-        default: {
-            return vec4(
-                subdivide_piece(a, f, e),
-                subdivide_piece(f, b, e),
-                subdivide_piece(a, e, g),
-                subdivide_piece(e, c, g),
-            );
-        }
+    // A fan.
+    var pieces = vec4(
+        subdivide_piece(a, f, e),
+        subdivide_piece(f, b, e),
+        subdivide_piece(a, e, g),
+        subdivide_piece(e, c, g),
+    );
+    if split.kind == SUBDIVIDE_TWO {
+        pieces = vec4(subdivide_piece(a, b, e), subdivide_piece(a, e, c), 0u, 0u);
+    } else if split.kind == SUBDIVIDE_THREE {
+        pieces = vec4(subdivide_piece(0u, 1u, d), subdivide_piece(1u, 2u, d), subdivide_piece(2u, 0u, d), 0u);
+    } else if split.kind == SUBDIVIDE_FOUR {
+        pieces = vec4(
+            subdivide_piece(a, f, g),
+            subdivide_piece(b, e, f),
+            subdivide_piece(c, g, e),
+            subdivide_piece(f, e, g),
+        );
     }
+    return pieces;
 }
 
-// Accepted where not cut.
+// Points that become corners of pieces.
+fn subdivide_needs(split: SubdivideSplit) -> u32 {
+    let others = select(SUBDIVIDE_MIDPOINTS, subdivide_bit(SUBDIVIDE_CENTROID), split.kind == SUBDIVIDE_THREE);
+    return select(others, subdivide_bit(SUBDIVIDE_MIDPOINT + split.corner), split.kind == SUBDIVIDE_TWO);
+}
+
+// Each piece's share of the triangle's area.
+fn subdivide_share(split: SubdivideSplit) -> f32 {
+    let others = select(0.25f, 1.0f / 3.0f, split.kind == SUBDIVIDE_THREE);
+    return select(others, 0.5f, split.kind == SUBDIVIDE_TWO);
+}
+
+// Points that are wanted first; without any, accepted where not cut.
 struct SubdivideVerdict {
+    wanted: u32,
     cut: bool,
     split: SubdivideSplit,
     error: f32,
@@ -84,5 +114,13 @@ struct SubdivideVerdict {
 }
 
 fn subdivide_accept() -> SubdivideVerdict {
-    return SubdivideVerdict(false, SubdivideSplit(0u, 0u), 0.0f, 0.0f, 0.0f);
+    return SubdivideVerdict(0u, false, SubdivideSplit(0u, 0u), 0.0f, 0.0f, 0.0f);
+}
+
+fn subdivide_probe(wanted: u32) -> SubdivideVerdict {
+    return SubdivideVerdict(wanted, false, SubdivideSplit(0u, 0u), 0.0f, 0.0f, 0.0f);
+}
+
+fn subdivide_cut(split: SubdivideSplit, error: f32, rest: f32, bend: f32) -> SubdivideVerdict {
+    return SubdivideVerdict(0u, true, split, error, rest, bend);
 }
