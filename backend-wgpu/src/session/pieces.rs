@@ -377,3 +377,35 @@ fn light_media(session: &WgpuSession) -> Vec<u32> {
     let of = lights.map(|light| media.all_over(light).unwrap_or(media.outside()).packed());
     [media.outside().packed()].into_iter().chain(of).flatten().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::adapter;
+    use etendue_conformance::analytic::compiled;
+    use etendue_conformance::scenes::{diffuse, point_light, room};
+    use etendue_core::backend::{Arithmetic, Backend as _};
+    use etendue_core::scene::SceneDesc;
+
+    /// Jobs take either: that of this machine's device would take one alone.
+    #[test]
+    fn the_density_is_the_same_wherever_it_is_made() {
+        let Some(backend) = adapter::backend() else { return };
+        let desc = SceneDesc {
+            meshes: vec![room([0.0; 3], 1.0, "wall")],
+            materials: vec![diffuse("wall", 0.6, 0.0)],
+            lights: vec![point_light([0.1, 0.2, 0.8], 3.0)],
+            ..SceneDesc::default()
+        };
+        let session = backend.open_scene(compiled(&desc).unwrap()).unwrap();
+        let (how, weights) = (Subdivision::robust(Weights::EXACT), Weights::EXACT);
+        let by_host = session.first_shot_by_host(&how, weights).unwrap();
+        let by_device = session.first_shot_by_device(&how, weights).unwrap();
+        assert!(by_host.pieces().len() > 50);
+        if backend.arithmetic() == Arithmetic::Ieee {
+            assert_eq!(by_device.pieces(), by_host.pieces());
+        }
+        let sums = [&by_host, &by_device].map(|s| s.survival());
+        assert!((sums[0] / sums[1] - 1.0).abs() < 1e-3, "{sums:?}");
+    }
+}
