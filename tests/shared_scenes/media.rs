@@ -2,14 +2,39 @@
 
 use super::*;
 use etendue::core::transport::bidirectional::Heuristic;
+use std::path::PathBuf;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Method {
+pub(crate) enum Method {
     Path,
     Bdpt,
 }
 
-/// Renders a scene file at a size (or its own) with so many samples.
+/// A scene file at a size (or its own) with so many samples, by a backend.
+pub(crate) fn render_on(
+    backend: &dyn Backend,
+    path: &Path,
+    method: Method,
+    size: Option<[u32; 2]>,
+    samples: u64,
+    max_depth: Option<u32>,
+) -> Outcome {
+    let loaded = load_scene(path).unwrap_or_else(|e| panic!("{e}"));
+    let (mut scene, _) = compile(&loaded.desc).unwrap();
+    if let (Some(camera), Some([width, height])) = (&mut scene.camera, size) {
+        *camera = camera.with_resolution(width, height);
+    }
+    let session = backend.open(Arc::new(scene)).unwrap();
+    let max_depth = max_depth.or(loaded.max_depth).unwrap_or(u32::MAX);
+    let settings = Settings { max_depth, ..settings(samples) };
+    match method {
+        Method::Path => driver::image(&*session, &settings, &Silent),
+        Method::Bdpt => driver::bidirectional_image(&*session, &settings, Heuristic::Power, &Silent),
+    }
+    .unwrap()
+}
+
+/// The same on the CPU, as an image.
 fn render(
     path: &Path,
     method: Method,
@@ -17,19 +42,8 @@ fn render(
     samples: u64,
     max_depth: Option<u32>,
 ) -> RenderImage {
-    let loaded = load_scene(path).unwrap_or_else(|e| panic!("{e}"));
-    let (mut scene, _) = compile(&loaded.desc).unwrap();
-    if let (Some(camera), Some([width, height])) = (&mut scene.camera, size) {
-        *camera = camera.with_resolution(width, height);
-    }
-    let session = open_backend(BackendKind::Cpu, None).unwrap().open(Arc::new(scene)).unwrap();
-    let max_depth = max_depth.or(loaded.max_depth).unwrap_or(u32::MAX);
-    let settings = Settings { max_depth, ..settings(samples) };
-    let outcome = match method {
-        Method::Path => driver::image(&*session, &settings, &Silent),
-        Method::Bdpt => driver::bidirectional_image(&*session, &settings, Heuristic::Power, &Silent),
-    }
-    .unwrap();
+    let cpu = open_backend(BackendKind::Cpu, None).unwrap();
+    let outcome = render_on(&*cpu, path, method, size, samples, max_depth);
     tell(&format!("{} {method:?}", path.file_stem().unwrap().to_string_lossy()), &outcome);
     assert_eq!((outcome.film.invalid(), outcome.film.saturated()), (0, 0));
     image_of(&outcome.film)
@@ -162,16 +176,23 @@ fn shared_full_closed_cornell_fog_bdpt() {
     assert!((metrics.block_ratio[1] - 1.0).abs() <= 0.002, "{:?}", metrics.block_ratio);
 }
 
+/// The ball of glass in gas as a scene file of this width, in a folder.
+pub(crate) fn caustic_file(root: &Path, folder: &Path, width: u32) -> PathBuf {
+    let json = root.join("bitterli/volumetric-caustic/scene_tungsten.json");
+    let file = folder.join("volumetric-caustic.toml");
+    let text = tungsten::as_toml(&std::fs::read_to_string(json).unwrap(), width, 19.5);
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
 /// Light that a ball of glass throws through gas. Tungsten's 6 bounces, of which the open front takes one, are 5 edges here: with 4 or 6 blocks are 25 % darker or
 /// 22 % brighter. The image is of the Mitsuba export's camera, not of the JSON's; its brightest points, lamp and caustic seen through the ball, are noise of the reference.
 fn volumetric_caustic(factor: u32, samples: u64, limits: [f64; 2]) {
     let Some(root) = shared_scenes() else { return };
-    let root = root.join("bitterli/volumetric-caustic");
-    let r = halved(&read_exr(&root.join("TungstenRender.exr")).unwrap(), factor);
-    let json = std::fs::read_to_string(root.join("scene_tungsten.json")).unwrap();
+    let whole = read_exr(&root.join("bitterli/volumetric-caustic/TungstenRender.exr")).unwrap();
+    let r = halved(&whole, factor);
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("volumetric-caustic.toml");
-    std::fs::write(&file, tungsten::as_toml(&json, r.width, 19.5)).unwrap();
+    let file = caustic_file(&root, folder.path(), r.width);
     let x = render(&file, Method::Bdpt, None, samples, Some(5));
     let metrics = measure(&x, &r, None, None);
     let [low, median, high] = metrics.block_ratio;
