@@ -46,7 +46,7 @@ fn same(name: &str, backends: [&dyn Backend; 2], scene: &Arc<CompiledScene>) {
     for gather in [false, true] {
         let job = job(scene, gather);
         let (a, b) = (at_probes(&*ours, &job), at_probes(&*theirs, &job));
-        assert!(a == b, "{name}: probes, {gather}: {:?} {:?}", a.1, b.1);
+        assert!(a == b, "{name}: {} probes, {gather}: {:?} {:?}", a.0.len(), a.1, b.1);
         if scene.camera.is_some() {
             let (a, b) = (image(&*ours, &job), image(&*theirs, &job));
             assert!(a == b, "{name}: image, {gather}: {:?} {:?}", a.1, b.1);

@@ -5,11 +5,13 @@ mod adapter;
 use etendue_conformance::golden;
 use etendue_conformance::scenes::{camera, mesh};
 use etendue_core::backend::{
-    Backend, BackendError, Control, NoControl, PathJob, Session, image_film_settings,
+    Backend, BackendError, BidirectionalJob, Control, NoControl, PathJob, Session, image_film_settings,
+    probe_film_settings,
 };
 use etendue_core::film::Film;
 use etendue_core::sampling::counter::Counter;
 use etendue_core::scene::{CompiledScene, SceneDesc, TextureDesc, Wrap, compile};
+use etendue_cpu::CpuBackend;
 use etendue_tree::WideTree;
 use etendue_wgpu::{Options, Step, WgpuBackend, wgpu};
 use std::ops::ControlFlow;
@@ -256,4 +258,23 @@ fn steps_do_not_wait_and_end_with_the_same_film() {
     assert!(film == whole && stats.rays > 0);
     // A submission is meant to take 25 ms, and a step never waits for one; the rest is for a machine that does other things too.
     assert!(longest < Duration::from_millis(500), "{longest:?}");
+}
+
+/// A film of nothing has its blocks as on the CPU, by every method.
+#[test]
+fn no_probes_are_measured_too() {
+    let Some(device) = adapter::backend() else { return };
+    let scene = compiled(&terrace());
+    let sessions = [device.open(scene.clone()).unwrap(), CpuBackend::new(None).unwrap().open(scene).unwrap()];
+    let path = job(0..3);
+    let films = sessions.each_ref().map(|session| {
+        let settings = probe_film_settings(session.scene(), &path, 0);
+        let mut films = [Film::new(settings), Film::new(settings)];
+        session.path_probes(&path, &[], &NoControl, &mut films[0]).unwrap();
+        let both = BidirectionalJob::new(path.clone());
+        session.bidirectional_probes(&both, &[], &NoControl, &mut films[1]).unwrap();
+        films
+    });
+    assert_eq!(films[0][0].block_count(), 3);
+    assert!(films[0] == films[1]);
 }

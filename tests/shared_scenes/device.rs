@@ -64,8 +64,6 @@ fn shared_closed_boxes_on_a_device() {
 fn shared_media_and_glass_on_a_device() {
     same_films(&[
         ("mitsuba_media/test_hetero_spectral_sigmat_volpathmis.xml", &[Method::Path]),
-        ("mitsuba_media/test_homo_null_envmap_volpath.xml", &[Method::Path]),
-        ("bitterli/veach-bidir/scene.xml", &[Method::Bdpt]),
         ("caustic", &[Method::Bdpt]),
     ]);
 }

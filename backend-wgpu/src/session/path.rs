@@ -165,6 +165,11 @@ impl PathTask {
             // The pipelines have one layout in content; each its own object.
             let group = gpu.bind(&wave.start, &buffers.bound(&uniform, [&states, &queue]));
             let turn_group = gpu.bind(&wave.turn, &[&queue, &groups]);
+            let mut film = film;
+            if elements == 0 {
+                // Blocks of nothing have been taken.
+                film.add_blocks(job.blocks.clone(), &[])?;
+            }
             Ok(Self {
                 gpu: gpu.clone(),
                 job: job.clone(),

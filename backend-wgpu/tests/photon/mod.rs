@@ -99,14 +99,17 @@ pub(crate) fn named(name: &str) -> Arc<CompiledScene> {
     scenes().into_iter().find(|(n, _)| n == name).unwrap().1
 }
 
-/// A dozen probes on surfaces, some on their backs.
+/// A dozen probes on surfaces, some on their backs; light passes null boundaries and glass, where there is nothing to read.
 pub(crate) fn probes(scene: &CompiledScene) -> Vec<Probe> {
     let probe = |p: u32| {
+        if scene.material_of(p).is_passage() {
+            return None;
+        }
         let (at, n) = place_on(scene, p, [0.31, 0.47])?;
         let n = if p.is_multiple_of(3) { -n } else { n };
         Some(Probe { position: at.to_array(), normal: n.to_array() })
     };
-    (0..scene.primitives().count() as u32).take(12).filter_map(probe).collect()
+    (0..scene.primitives().count() as u32).filter_map(probe).take(12).collect()
 }
 
 pub(crate) fn scene(desc: &SceneDesc) -> Arc<CompiledScene> {
