@@ -66,18 +66,27 @@ fn a_method_that_loses_a_hundredth_is_named() {
     let bdpt = Sampling::new(&*session, "cpu", SamplingMethod::Bidirectional);
     let mut list: Vec<Box<dyn Contender + '_>> =
         vec![Box::new(path("cpu")), Box::new(bdpt), Box::new(mutant)];
-    // More replicates than usual: few rungs have to do on a slow machine.
-    let plan = Plan { replicates: 8, ..plan(12.0) };
-    let measured = measure(&mut list, &plan, None, &Silent).unwrap();
-    let (_folder, summary, sentences) = written(&measured);
-    for curve in &summary.curves {
-        let bias = curve.bias.unwrap();
-        println!("{}: {}", curve.name, bias.words());
-        assert_eq!(bias.is_off(), curve.name == "mutant", "{}: {bias:?}", curve.name);
+    // More replicates than usual: few rungs have to do on a slow machine. One that is busy with other things besides gets more time.
+    for seconds in [12.0, 40.0, 100.0] {
+        let plan = Plan { replicates: 8, ..plan(seconds) };
+        let measured = measure(&mut list, &plan, None, &Silent).unwrap();
+        let (_folder, summary, sentences) = written(&measured);
+        let mutant = Curve::new("mutant", "", "cpu");
+        for curve in &summary.curves {
+            let Some(bias) = curve.bias else { continue };
+            println!("{}: {}", curve.name, bias.words());
+            assert!(!bias.is_off() || curve.name == "mutant", "{}: {bias:?}", curve.name);
+        }
+        let told = summary.curves.len() == 3 && summary.curves.iter().all(|c| c.bias.is_some());
+        let Some(bias) = summary.curve(&mutant).and_then(|c| c.bias).filter(|b| told && b.is_off()) else {
+            println!("{seconds} s were too few");
+            continue;
+        };
+        assert!(bias.energy.iter().all(|e| (e + 0.01).abs() < 0.005));
+        assert!(sentences.iter().any(|s| s.contains("mutant (biased: -")), "{sentences:?}");
+        return;
     }
-    let mutant = summary.curve(&Curve::new("mutant", "", "cpu")).unwrap();
-    assert!(mutant.bias.unwrap().energy.iter().all(|e| (e + 0.01).abs() < 0.005));
-    assert!(sentences.iter().any(|s| s.contains("mutant (biased: -")), "{sentences:?}");
+    panic!("a bias of a hundredth was not named");
 }
 
 /// Stops after so many calls.
