@@ -93,14 +93,14 @@ fn same(
 
 #[test]
 fn pieces_have_the_bits_of_the_cpu() {
-    let Some(device) = adapter::exact_with(Options::default()) else { return };
+    let Some(device) = adapter::exact_or_flushing() else { return };
     let some = [("plain".into(), scene(&plain())), ("stage".into(), named("stage"))];
     same(&device, &some, &subdivisions(), 1000);
 }
 
 #[test]
 fn pieces_in_media_have_the_bits_of_the_cpu() {
-    let Some(device) = adapter::exact_with(Options::default()) else { return };
+    let Some(device) = adapter::exact_or_flushing() else { return };
     let mut foggy = foggy();
     foggy.shapes.retain(|s| !matches!(s.kind, ShapeKind::Sphere { .. } | ShapeKind::Disk { .. }));
     let few = [Subdivision::None, Subdivision::published(), Subdivision::robust(Weights::EXACT)];
@@ -111,7 +111,7 @@ fn pieces_in_media_have_the_bits_of_the_cpu() {
 #[test]
 #[ignore = "minutes: the command is in TESTING.md"]
 fn pieces_of_all_scenes_have_the_bits_of_the_cpu() {
-    let Some(device) = adapter::exact_with(Options::default()) else { return };
+    let Some(device) = adapter::exact_or_flushing() else { return };
     let mut all = scenes();
     for coloured in [false, true] {
         let mut desc = crowd::all_at_once(coloured);
@@ -154,7 +154,7 @@ fn hills(n: u32, lights: u32) -> SceneDesc {
 /// More pairs than one list holds, in less room than there is for them.
 #[test]
 fn lists_may_be_many_and_room_little() {
-    let Some(device) = adapter::exact_with(Options::default()) else { return };
+    let Some(device) = adapter::exact_or_flushing() else { return };
     let many = scene(&hills(40, 90));
     assert!(90 * many.triangles.len() > 1 << 18);
     let glances = Care { glance: 1e-4, ..Care::default() };
