@@ -21,16 +21,6 @@ fn patches_sample(map: ElementMap, lists: PatchLists, patch_: u32, pick: u32, u:
     let primitive = element_word(lists.primitives + member);
     let is_back = element >= map.per_side;
     let b = elements_bary_on(map, primitive, element, u);
-    let record = scene_at.surfaces + SURFACE_WORDS * primitive;
-    let vertex = surface_vertices(primitive);
-    let point = geometry_hit_point_with(
-        surface_position(vertex.x),
-        surface_position(vertex.y),
-        surface_position(vertex.z),
-        b.x,
-        b.y,
-        scene_float(record + 7u),
-    );
-    let front = scene_triple(record + 4u);
-    return PatchPoint(point, select(front, -front, is_back));
+    let front = surface_front(primitive);
+    return PatchPoint(surface_on(primitive, b.x, b.y), select(front, -front, is_back));
 }

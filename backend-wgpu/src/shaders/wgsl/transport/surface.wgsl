@@ -62,6 +62,23 @@ fn surface_vertices(primitive: u32) -> vec3<u32> {
 
 fn surface_position(vertex: u32) -> vec3<f32> { return scene_triple(scene_at.positions + 3u * vertex); }
 
+// A point of a triangle by its second and third barycentric, and the unit normal of a triangle's front.
+fn surface_on(triangle: u32, b1: f32, b2: f32) -> SurfacePoint {
+    let v = surface_vertices(triangle);
+    return geometry_hit_point_with(
+        surface_position(v.x),
+        surface_position(v.y),
+        surface_position(v.z),
+        b1,
+        b2,
+        scene_float(scene_at.surfaces + SURFACE_WORDS * triangle + 7u),
+    );
+}
+
+fn surface_front(triangle: u32) -> vec3<f32> {
+    return scene_triple(scene_at.surfaces + SURFACE_WORDS * triangle + 4u);
+}
+
 //: if TEXTURES
 fn surface_texcoord(vertex: u32) -> vec2<f32> {
     let at = scene_at.texcoords + 2u * vertex;

@@ -8,20 +8,11 @@ struct DirectPoint { found: bool, b1: f32, b2: f32, point: SurfacePoint, normal:
 fn irradiance_point_on(primitive: u32, cell: u32, u: vec2<f32>) -> DirectPoint {
     var found: DirectPoint;
     if primitive < scene_at.triangle_count {
-        let record = scene_at.surfaces + SURFACE_WORDS * primitive;
         let b = elements_in_cell(primitive, cell, warp_sample_triangle(u).yz);
-        let vertex = surface_vertices(primitive);
         found.b1 = b.x;
         found.b2 = b.y;
-        found.point = geometry_hit_point_with(
-            surface_position(vertex.x),
-            surface_position(vertex.y),
-            surface_position(vertex.z),
-            b.x,
-            b.y,
-            scene_float(record + 7u),
-        );
-        found.normal = scene_triple(record + 4u);
+        found.point = surface_on(primitive, b.x, b.y);
+        found.normal = surface_front(primitive);
         found.found = true;
         return found;
     }

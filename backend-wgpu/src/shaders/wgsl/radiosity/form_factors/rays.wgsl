@@ -31,7 +31,7 @@ fn rays_met(map: ElementMap, lists: PatchLists, ray: Ray, hit: Hit) -> u32 {
     if hit.primitive == TREE_NOTHING { return RAYS_ESCAPED; }
     // Shapes have no normal here, and no patches either.
     if hit.primitive >= scene_at.triangle_count { return RAYS_LOST; }
-    let front = scene_triple(scene_at.surfaces + SURFACE_WORDS * hit.primitive + 4u);
+    let front = surface_front(hit.primitive);
     let from_front = math_dot(ray.direction, front) <= 0.0f;
     let element = elements_deposit(map, hit.primitive, hit.b1, hit.b2, from_front).elements.x;
     return element_word(lists.of_element + element);

@@ -30,17 +30,8 @@ fn first_shot_sample(
 fn first_shot_sample(triangle: u32, light: u32, at: vec3<f32>) -> FirstShotSample {
 //: end
     let b = first_shot_inset(at);
-    let record = scene_at.surfaces + SURFACE_WORDS * triangle;
-    let vertex = surface_vertices(triangle);
-    let point = geometry_hit_point_with(
-        surface_position(vertex.x),
-        surface_position(vertex.y),
-        surface_position(vertex.z),
-        b.y,
-        b.z,
-        scene_float(record + 7u),
-    );
-    let normal = scene_triple(record + 4u);
+    let point = surface_on(triangle, b.y, b.z);
+    let normal = surface_front(triangle);
     let direct = irradiance_from_light(light, point, normal);
     var sample = FirstShotSample(0.0f, 0u);
     if direct.found {

@@ -34,7 +34,7 @@ fn wave_begin(slot: u32, begins: PhotonBegins) {
     let searches = is_glow || (begins.entry < job.media_count && job_word(known) == 0u);
     if begins.lands || searches {
         let phase = select(LIGHTS_OUT, LIGHTS_BACK, begins.lands);
-        let normal = scene_triple(scene_at.surfaces + SURFACE_WORDS * begins.hit.primitive + 4u);
+        let normal = surface_front(begins.hit.primitive);
         var ray = photon.ray;
         if begins.lands { ray = begins.look; }
         let followed = lights_follow(phase, ray, inside, outside, photon.ray.origin, normal, true);

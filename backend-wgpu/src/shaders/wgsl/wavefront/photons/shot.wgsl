@@ -52,20 +52,6 @@ fn shot_piece(index: u32) -> ShotPiece {
     );
 }
 
-fn shot_point(triangle: u32, b1: f32, b2: f32) -> SurfacePoint {
-    let v = surface_vertices(triangle);
-    return geometry_hit_point_with(
-        surface_position(v.x),
-        surface_position(v.y),
-        surface_position(v.z),
-        b1,
-        b2,
-        scene_float(scene_at.surfaces + SURFACE_WORDS * triangle + 7u),
-    );
-}
-
-fn shot_normal(triangle: u32) -> vec3<f32> { return scene_triple(scene_at.surfaces + SURFACE_WORDS * triangle + 4u); }
-
 // A light's colour: its radiance over its mean.
 fn shot_colour(light: u32) -> vec3<f32> {
     let brightest = light_radiance(light);
@@ -106,8 +92,8 @@ fn shot_begin(pick: u32, u: vec4<f32>) -> PhotonBegins {
     let light = light_record(piece.light);
     let on_piece = linear_triangle_sample(piece.weights, u.xy);
     let b = first_shot_on_triangle(piece.corners, on_piece);
-    let point = shot_point(piece.triangle, b.y, b.z);
-    let normal = shot_normal(piece.triangle);
+    let point = surface_on(piece.triangle, b.y, b.z);
+    let normal = surface_front(piece.triangle);
     let to_light = emit_toward(light, point.position);
     begins.entry = piece.light;
     begins.lands = true;
@@ -150,7 +136,7 @@ fn shot_looked(slot: u32) -> bool {
     let blocked = wave_get(slot, ROW_QUERY) == PHOTON_BLOCKED;
     var photon = wave_photon(slot);
     var hit = wave_hit(slot);
-    let point = shot_point(hit.primitive, hit.b1, hit.b2);
+    let point = surface_on(hit.primitive, hit.b1, hit.b2);
     photon.ray = Ray(point.position, -emit_toward(light_record(photon.light), point.position), MAX_FLOAT);
     photon.light = NO_INDEX;
     photon.flux *= first_shot_look_factor(hit.t, blocked);
@@ -198,8 +184,8 @@ fn shot_weigh(slot: u32) {
         return;
     }
     let hit = wave_hit(slot);
-    let point = shot_point(hit.primitive, hit.b1, hit.b2);
-    let direct = irradiance_from_light(light_record(light), point, shot_normal(hit.primitive));
+    let point = surface_on(hit.primitive, hit.b1, hit.b2);
+    let direct = irradiance_from_light(light_record(light), point, surface_front(hit.primitive));
     if !direct.found { return; }
     var e = direct.irradiance;
     //: if VOLUME
